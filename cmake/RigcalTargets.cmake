@@ -1,0 +1,44 @@
+include(GoogleTest)
+
+add_library(rigcal_options INTERFACE)
+# Debian's Ceres is built for plain x86-64. Eigen's allocation must not depend on our wider -march, or memory that crosses
+# the border is freed by the wrong scheme.
+target_compile_definitions(rigcal_options INTERFACE EIGEN_MAX_ALIGN_BYTES=16)
+target_compile_options(rigcal_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion)
+target_include_directories(rigcal_options INTERFACE ${CMAKE_SOURCE_DIR})
+if(RIGCAL_WARNINGS_AS_ERRORS)
+  target_compile_options(rigcal_options INTERFACE -Werror)
+endif()
+if(RIGCAL_ARCH AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  target_compile_options(rigcal_options INTERFACE -march=${RIGCAL_ARCH})
+endif()
+if(RIGCAL_SANITIZE)
+  target_compile_options(rigcal_options INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(rigcal_options INTERFACE -fsanitize=address,undefined)
+endif()
+
+# rigcal_library(NAME [LINKS ...]): every .cpp of the current folder as a static library. Libraries of others are system
+# headers: their warnings are not ours.
+function(rigcal_library name)
+  cmake_parse_arguments(ARG "" "" "LINKS" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  if(sources)
+    add_library(${name} STATIC ${sources})
+    target_link_libraries(${name} PUBLIC rigcal_options ${ARG_LINKS})
+  else()
+    add_library(${name} INTERFACE)
+    target_link_libraries(${name} INTERFACE rigcal_options ${ARG_LINKS})
+  endif()
+endfunction()
+
+# rigcal_test(NAME [LINKS ...] [LABELS ...]): every *_test.cpp of the current folder as one program; each TEST is a ctest.
+function(rigcal_test name)
+  cmake_parse_arguments(ARG "" "" "LINKS;LABELS" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*_test.cpp)
+  if(NOT sources)
+    return()
+  endif()
+  add_executable(${name} ${sources})
+  target_link_libraries(${name} PRIVATE rigcal_options rigcal_test_support ${ARG_LINKS} GTest::gmock GTest::gtest GTest::gtest_main)
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT 600)
+endfunction()

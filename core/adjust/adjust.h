@@ -1,0 +1,50 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/base/execution.h"
+#include "core/rig/priors.h"
+#include "core/scene/rig_calibration.h"
+#include "core/scene/track.h"
+
+namespace rigcal {
+
+enum class IntrinsicsMode { kPerCamera, kFixed, kPerView };
+
+struct AdjustOptions {
+  IntrinsicsMode intrinsics = IntrinsicsMode::kPerCamera;
+  bool refine_distortion = false;
+  double observation_sigma_px = 0.3;       ///< one coordinate of one feature (DESIGN.md section 3, point 1)
+  double cauchy_scale_px = 0.5;            ///< robust loss (point 4); 0: plain least squares (--method paper)
+  double min_expected_error_px = 4;        ///< floor of the new Er: one pixel at level L (point 2)
+  int min_features_per_view = 100;         ///< a view with fewer keeps its Er (point 2)
+  std::vector<CameraPrior> camera_priors;  ///< one per camera; empty: none (--method paper)
+  std::optional<SeedPrior> seed_prior;     ///< none for --method paper
+  std::vector<bool> fixed_views;           ///< --fix-cameras; empty: none fixed
+  bool estimate_covariance = true;
+  bool paper = false;  ///< five free intrinsics per view, sum of squares (1), Er = mean + 3 sigma for all views alike
+};
+
+struct AdjustReport {
+  int num_tracks = 0, num_observations = 0;  ///< used, without the held-out ones
+  double reprojection_mean_px = 0, reprojection_std_px = 0;
+  std::vector<double> residual_px;        ///< per view: mean over its features, 0 without any
+  std::vector<int> num_features;          ///< per view
+  std::vector<double> expected_error_px;  ///< per view: the Er of the next round
+  double observation_sigma_px = 0;        ///< as found from the residuals; scales the covariance
+};
+
+struct Adjustment {
+  RigCalibration calibration;  ///< refined, in the seed's gauge and scale, with covariance when asked for
+  TrackSet tracks;             ///< with refined x_in_world; held-out tracks triangulated anew
+  AdjustReport report;
+};
+
+/// Bundle adjustment (paper equation (1), with the priors of DESIGN.md section 3). Reproducible bit by bit: Ceres runs
+/// with one thread. Errors: kCancelled; kBadInput when nothing is left to adjust.
+Result<Adjustment> Adjust(const RigCalibration& start, const TrackSet& tracks,
+                          const std::vector<double>& expected_error_px, const AdjustOptions& options,
+                          const Execution& execution);
+
+}  // namespace rigcal

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/base/execution.h"
+#include "core/scene/image_set.h"
+#include "core/scene/patch.h"
+#include "core/scene/rig_calibration.h"
+#include "core/scene/track.h"
+
+namespace rigcal {
+
+struct MatchOptions {
+  int level = 2;         ///< L, where the refinement of a feature starts (paper section 3.2)
+  int window_px = 7;     ///< delta: side of the largest projection of the 3-D patch Q, pixels of the level at work
+  double min_ncc = 0.7;  ///< features below are dropped (DESIGN.md section 3, point 4); 0 for --method paper
+  std::vector<double> expected_error_px;  ///< Er per view: a feature that moved farther is dropped
+  /// Sub-sampling in blocks_per_side^2 blocks per image; 0 keeps every track (DESIGN.md section 3, point 3).
+  int blocks_per_side = 0;
+  double kept_share = 0.15;         ///< share of the tracks that sub-sampling aims at (paper: 10 to 20 %)
+  int min_features_per_view = 100;  ///< sub-sampling never goes below (DESIGN.md section 3, point 3)
+  std::uint64_t random_seed = 1;
+};
+
+/// Multi-view feature matching (paper section 3.2): from patches to tracks with sub-pixel features at full size.
+/// Errors: kCancelled. Tracks with fewer than two features are left out.
+Result<TrackSet> Match(const ImageSet& images, const RigCalibration& calibration, const std::vector<Patch>& patches,
+                       const MatchOptions& options, const Execution& execution);
+
+}  // namespace rigcal

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/execution.h"
+#include "core/rig/priors.h"
+#include "core/scene/rig_calibration.h"
+#include "core/scene/track.h"
+
+namespace rigcal {
+
+enum class Verdict { kAccepted, kRejected, kInconclusive };
+
+/// A check that failed: its number and its limit, in `unit`, for one view or for the whole.
+struct Reason {
+  std::string check;
+  double value = 0;
+  double limit = 0;
+  std::string unit;
+  std::optional<std::string> view;
+};
+
+/// What one view did, for the report (DESIGN.md section 4).
+struct ViewFinding {
+  std::string name;
+  std::string camera;
+  double moved_px = 0;  ///< mean shift of object points against the prior's cameras, in the picture
+  Eigen::Vector2d direction = Eigen::Vector2d::Zero();  ///< unit mean shift in the picture (+x right, +y down)
+  double sigma_px = 0;                                  ///< stated uncertainty of object points in this picture
+  int num_features = 0;
+  double residual_px = 0;
+};
+
+struct HoldoutError {
+  double before_px = 0;  ///< held-out tracks under the prior's cameras
+  double after_px = 0;   ///< under the judged ones
+  int num_tracks = 0;
+};
+
+struct ValidationReport {
+  Verdict verdict = Verdict::kInconclusive;
+  std::vector<Reason> reasons;  ///< empty exactly when accepted
+  HoldoutError holdout;
+  std::vector<ViewFinding> views;
+};
+
+/// The cameras to be judged and the evidence. Nothing tells which method made the cameras.
+struct ValidationInput {
+  RigCalibration calibration;              ///< judged; with covariance when there is one
+  TrackSet tracks;                         ///< measured features, held-out tracks among them
+  std::optional<RigCalibration> prior;     ///< the cameras of before (the seed), same views
+  double expected_error_px = 0;            ///< Er of the prior; 0 when there is no prior
+  std::vector<CameraPrior> camera_priors;  ///< one per camera of `calibration`; empty: defaults for a bare camera file
+  std::vector<double> sharpness;           ///< per view, see core/image; empty: not judged
+};
+
+/// The verdict on cameras (DESIGN.md section 4). Errors: kCancelled.
+Result<ValidationReport> Validate(const ValidationInput& input, const Execution& execution);
+
+}  // namespace rigcal

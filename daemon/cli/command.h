@@ -1,0 +1,23 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <stop_token>
+
+namespace rigcal {
+
+/// Exit statuses of the command line.
+inline constexpr int kExitAccepted = 0;
+inline constexpr int kExitInternal = 1;
+inline constexpr int kExitBadInput = 2;
+inline constexpr int kExitNotAccepted = 3;
+
+/// What every subcommand shares. Each Add...Command declares its options and, as callback, sets exit_status.
+struct CommandSession {
+  std::stop_token stop;  ///< set by SIGINT and SIGTERM
+  bool on_terminal = false;
+  int exit_status = kExitAccepted;
+};
+
+void AddSimCommand(CLI::App& app, CommandSession& session);
+
+}  // namespace rigcal
