@@ -4,7 +4,8 @@ add_library(rigcal_options INTERFACE)
 # Debian's Ceres is built for plain x86-64. Eigen's allocation must not depend on our wider -march, or memory that crosses
 # the border is freed by the wrong scheme.
 target_compile_definitions(rigcal_options INTERFACE EIGEN_MAX_ALIGN_BYTES=16)
-target_compile_options(rigcal_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion)
+target_compile_options(rigcal_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
+  -Wno-missing-field-initializers)  # designated initialisers name what they set; the rest has its default
 target_include_directories(rigcal_options INTERFACE ${CMAKE_SOURCE_DIR})
 if(RIGCAL_WARNINGS_AS_ERRORS)
   target_compile_options(rigcal_options INTERFACE -Werror)
