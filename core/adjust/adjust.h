@@ -10,8 +10,6 @@
 
 namespace rigcal {
 
-enum class IntrinsicsMode { kPerCamera, kFixed, kPerView };
-
 struct AdjustOptions {
   IntrinsicsMode intrinsics = IntrinsicsMode::kPerCamera;
   bool refine_distortion = false;

@@ -19,6 +19,9 @@ struct View {
 
 enum class LengthUnit { kUnknown, kMetre };
 
+/// Which intrinsics a run estimates: one set for each physical camera, none, or one for each view.
+enum class IntrinsicsMode { kPerCamera, kFixed, kPerView };
+
 /// Joint covariance of everything that was estimated. Row and column order: for each camera kNumIntrinsics intrinsics
 /// (IntrinsicIndex), then for each view the 6 of Disturbed() (rotation in radians, translation in the calibration's
 /// unit). Rows of what was held fixed are zero. The gauge is that of the seed (its prior), not of any one view.
