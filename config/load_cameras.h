@@ -1,0 +1,41 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "config/read_file.h"
+#include "core/base/result.h"
+#include "core/scene/rig_calibration.h"
+
+namespace rigcal {
+
+struct CameraFileOptions {
+  /// Searched in each image's file name; its first group is the id of the physical camera. Empty: what the file says;
+  /// a file that says nothing (Middlebury) has one camera.
+  std::string camera_from_name;
+  /// kPerView gives each view a Camera of its own, "<physical>/<image>"; the others share one Camera among the views of a
+  /// physical camera, which starts from the median of each parameter.
+  IntrinsicsMode intrinsics = IntrinsicsMode::kPerCamera;
+  bool allow_skew = false;  ///< otherwise |skew| above kMaxIgnoredSkewPx is refused and below is set to 0
+  int min_views = 3;
+};
+
+/// Skew (k12 of a Middlebury file, pixels) that is taken for rounding.
+inline constexpr double kMaxIgnoredSkewPx = 0.01;
+
+struct LoadedCameras {
+  RigCalibration calibration;
+  bool sizes_known = false;  ///< false: the file does not tell width and height (Middlebury); LoadImages fills them in
+  std::vector<std::string> notes;  ///< sentences for the report: what was changed while loading
+  /// Largest difference of any view's fx, fy, cx or cy from its camera's median (pixels); 0 with kPerView.
+  double max_intrinsics_spread_px = 0;
+  std::vector<InputFile> files;
+};
+
+/// Reads cameras from a Middlebury *_par.txt, a COLMAP text model (a folder with cameras.txt and images.txt) or a
+/// calibration.json, told apart by their content (docs/formats.md). Views keep the order of the file. Errors: kNotFound,
+/// kIo, kBadInput, kUnsupported.
+Result<LoadedCameras> LoadCameras(const std::filesystem::path& path, const CameraFileOptions& options);
+
+}  // namespace rigcal

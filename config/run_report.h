@@ -1,0 +1,67 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/scene/rig_calibration.h"
+#include "core/validate/validate.h"
+
+namespace rigcal {
+
+/// One round of stereo, matching and adjustment (paper: Fig. 10, Table 1).
+struct RoundReport {
+  int level = 0;
+  int num_patches = 0;
+  int num_tracks = 0;
+  int num_observations = 0;
+  double reprojection_mean_px = 0;
+  double reprojection_std_px = 0;
+  std::vector<double> expected_error_px;  ///< per view: Er with which the round began
+};
+
+/// How much of a view is object, and how that was told.
+struct MaskReport {
+  std::string view;
+  std::string kind;  ///< "file", "dark", "static" or "none"
+  double object_share = 1;
+};
+
+/// One camera of the result with the sigma of each intrinsic (0: held fixed).
+struct CameraReport {
+  Camera camera;
+  IntrinsicVector sigma = IntrinsicVector::Zero();
+};
+
+/// What report.json says: everything a person needs to believe or disbelieve a result (docs/schema/report.schema.json).
+struct RunReport {
+  ValidationReport validation;
+  std::string method;            ///< "rigcal" or "paper"
+  double expected_error_px = 0;  ///< Er at the start
+  bool expected_error_estimated = false;
+  int level = 0;  ///< L of the first round
+  std::vector<RoundReport> rounds;
+  std::vector<int> views_per_track;  ///< [k]: tracks of the last round seen in k views (paper: Fig. 7)
+  std::vector<CameraReport> cameras;
+  std::vector<MaskReport> masks;
+  std::vector<std::string> notes;
+};
+
+/// Seconds of one stage of one round; round -1: once per run (paper: Table 2).
+struct StageTime {
+  std::string stage;
+  int round = -1;
+  double wall_s = 0;
+};
+
+struct RunTiming {
+  std::vector<StageTime> stages;
+  double total_wall_s = 0;
+};
+
+/// Write report.json and timing.json, whole or not at all. Errors: kIo, kDiskFull.
+Result<void> WriteReportJson(const RunReport& report, const std::filesystem::path& path);
+Result<void> WriteTimingJson(const RunTiming& timing, const std::filesystem::path& path);
+
+}  // namespace rigcal
