@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <array>
 #include <cmath>
 #include <opencv2/core.hpp>
 
@@ -16,6 +18,31 @@ struct SampleWithGradient {
 inline bool CanSample(const cv::Mat1f& image, double x, double y, int border) {
   return x >= border && y >= border && x < image.cols - 1 - border && y < image.rows - 1 - border;
 }
+
+/// A separable cubic kernel over four neighbours: the weights of pixels -1, 0, 1, 2 at t in [0, 1) from pixel 0 are
+/// power[0] + power[1] t + power[2] t^2 + power[3] t^3.
+struct CubicKernel {
+  std::array<std::array<float, 4>, 4> power;
+
+  [[nodiscard]] Eigen::Array4f Weights(float t) const {
+    return Power(0) + t * (Power(1) + t * (Power(2) + t * Power(3)));
+  }
+  [[nodiscard]] Eigen::Array4f WeightDerivatives(float t) const {
+    return Power(1) + t * (2 * Power(2) + t * 3 * Power(3));
+  }
+
+ private:
+  [[nodiscard]] Eigen::Array4f Power(int i) const { return Eigen::Map<const Eigen::Array4f>(power[i].data()); }
+};
+
+/// Interpolates: passes through the pixels.
+inline constexpr CubicKernel kCatmullRom{
+    {{{0, 1, 0, 0}, {-0.5f, 0, 0.5f, 0}, {1, -2.5f, 2, -0.5f}, {-0.5f, 1.5f, -1.5f, 0.5f}}}};
+
+/// The cubic B-spline with the pixels as coefficients: smooths (variance 1/3 px^2), and smooths alike at every
+/// position between the pixels, so that neither noise nor aliasing draws a match towards the pixel grid.
+inline constexpr CubicKernel kCubicBSpline{
+    {{{1 / 6.f, 4 / 6.f, 1 / 6.f, 0}, {-0.5f, 0, 0.5f, 0}, {0.5f, -1, 0.5f, 0}, {-1 / 6.f, 0.5f, -0.5f, 1 / 6.f}}}};
 
 /// Bilinear interpolation; the caller has asked CanSample(image, x, y, 0).
 inline float SampleBilinear(const cv::Mat1f& image, float x, float y) {

@@ -20,6 +20,9 @@ struct MatchOptions {
   int blocks_per_side = 0;
   double kept_share = 0.15;         ///< share of the tracks that sub-sampling aims at (paper: 10 to 20 %)
   int min_features_per_view = 100;  ///< sub-sampling never goes below (DESIGN.md section 3, point 3)
+  /// No feature is believed to be better than this, whatever its own fit says: what differs between the pictures but
+  /// is not noise (shape of the patch, shading) has this size on rendered textures (0.02 to 0.04 px).
+  double min_sigma_px = 0.02;
   std::uint64_t random_seed = 1;
 };
 
