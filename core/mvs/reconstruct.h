@@ -9,13 +9,16 @@
 
 namespace rigcal {
 
+inline constexpr int kMaxWindowPx = 15;  ///< largest correlation window
+
 struct StereoOptions {
   int level = 2;         ///< pyramid level L that is reconstructed
   int cell_px = 2;       ///< zeta: one patch per cell of zeta x zeta pixels of the level (paper section 4.2: 2 or 4)
   int window_px = 7;     ///< gamma: side of the correlation window in pixels of the level (paper section 4.2: 7 or 9)
   int min_views = 3;     ///< least number of views of a patch
   double min_ncc = 0.7;  ///< least mean NCC of a patch (threshold of the PMVS paper)
-  /// How far (pixels of the full-size image, per view) the cameras may be off: how wide epipolar searches are.
+  /// How far (pixels of the full-size image, per view) the cameras may be off on average: how wide epipolar searches
+  /// are, and whether a view's texture may lie beside the projection of its patch. Empty: the cameras are exact.
   std::vector<double> expected_error_px;
 };
 

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/mvs/fit_plane.h"
+
+namespace rigcal {
+
+/// A patch while the surface is being grown.
+struct SurfacePatch {
+  Eigen::Vector3d centre_in_world;
+  Eigen::Vector3d normal_in_world;
+  int u_px = 0;  ///< the pixel of the reference view it was made for
+  int v_px = 0;
+  std::vector<Sighting> sightings;  ///< [0] is the reference view
+  float ncc = 0;                    ///< mean over the sightings without the reference
+};
+
+/// The other views that may see a surface point with this normal, the one with the smallest parallax to the reference
+/// first: not too oblique, in front, inside the image and on the object.
+std::vector<int> ViewsThatMaySee(const StereoScene& scene, int reference_view, const Eigen::Vector3d& point_in_world,
+                                 const Eigen::Vector3d& normal_in_world, double max_obliqueness_rad);
+
+/// Refines a plane on the views that agree with it, adds every further view that shows the same texture, and decides
+/// whether that is a patch (number of views, mean NCC, parallax, precision). `hints` are sightings of a neighbour or of
+/// a match; other views are looked for at no offset, or with free offsets by a search as wide as the cameras' errors.
+std::optional<SurfacePatch> BuildPatch(const StereoScene& scene, const WindowPlane& start,
+                                       const std::vector<Sighting>& hints);
+
+}  // namespace rigcal

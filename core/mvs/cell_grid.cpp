@@ -1,0 +1,105 @@
+#include "core/mvs/cell_grid.h"
+
+#include <algorithm>
+
+namespace rigcal {
+
+CellGrid::CellGrid(const StereoScene& scene) : cell_px_(scene.options.cell_px) {
+  for (const StereoView& view : scene.views) {
+    columns_.push_back((view.image.cols + cell_px_ - 1) / cell_px_);
+    rows_.push_back((view.image.rows + cell_px_ - 1) / cell_px_);
+    cells_.emplace_back(static_cast<std::size_t>(columns_.back()) * static_cast<std::size_t>(rows_.back()),
+                        std::uint8_t{0});
+  }
+}
+
+std::size_t CellGrid::CellAt(int view, const Eigen::Vector2d& x_px) const {
+  const int column = static_cast<int>(x_px.x() + 0.5) / cell_px_, row = static_cast<int>(x_px.y() + 0.5) / cell_px_;
+  return static_cast<std::size_t>(row * columns_[view] + column);
+}
+
+std::optional<CellGrid::CellPixel> CellGrid::Neighbour(int view, const Eigen::Vector2d& x_px, int columns,
+                                                       int rows) const {
+  const int column = static_cast<int>(x_px.x() + 0.5) / cell_px_ + columns;
+  const int row = static_cast<int>(x_px.y() + 0.5) / cell_px_ + rows;
+  if (column < 0 || row < 0 || column >= columns_[view] || row >= rows_[view]) return std::nullopt;
+  return CellPixel{column * cell_px_ + (cell_px_ - 1) / 2, row * cell_px_ + (cell_px_ - 1) / 2,
+                   static_cast<std::size_t>(row * columns_[view] + column)};
+}
+
+void CellGrid::SetPending(int view, std::size_t cell) {
+  cells_[view][cell] |= kPending;
+  pending_.emplace_back(view, cell);
+}
+
+void CellGrid::ClearPending() {
+  for (const auto& [view, cell] : pending_) cells_[view][cell] &= static_cast<std::uint8_t>(~kPending);
+  pending_.clear();
+}
+
+void CellGrid::CountAttempt(int view, std::size_t cell) {
+  constexpr std::uint8_t kOne = 1U << kAttemptShift;
+  std::uint8_t& state = cells_[view][cell];
+  if (state < UINT8_MAX - kOne) state = static_cast<std::uint8_t>(state + kOne);
+}
+
+void CellGrid::Fill(const StereoScene& scene, const SurfacePatch& patch) {
+  for (const Sighting& sighting : patch.sightings) {
+    const std::optional<Pixel> pixel = SightingPixel(scene, patch, sighting);
+    if (pixel) cells_[sighting.view][CellAt(sighting.view, pixel->x_px)] |= kFilled;
+  }
+}
+
+void CellGrid::ClearFilled() {
+  for (auto& view : cells_) {
+    for (std::uint8_t& state : view) state &= static_cast<std::uint8_t>(~kFilled);
+  }
+}
+
+std::optional<Pixel> SightingPixel(const StereoScene& scene, const SurfacePatch& patch, const Sighting& sighting) {
+  std::optional<Pixel> pixel = scene.Project(sighting.view, patch.centre_in_world);
+  if (!pixel) return std::nullopt;
+  pixel->x_px += sighting.offset_px.cast<double>();
+  const cv::Mat1f& image = scene.views[sighting.view].image;
+  if (!(pixel->x_px.x() >= 0 && pixel->x_px.y() >= 0 && pixel->x_px.x() <= image.cols - 1 &&
+        pixel->x_px.y() <= image.rows - 1)) {
+    return std::nullopt;
+  }
+  return pixel;
+}
+
+CellIndex::CellIndex(const StereoScene& scene, const std::vector<SurfacePatch>& patches)
+    : cell_px_(scene.options.cell_px) {
+  struct Place {
+    int view;
+    std::size_t cell;
+    Entry entry;
+  };
+  for (const StereoView& view : scene.views) {
+    const int columns = (view.image.cols + cell_px_ - 1) / cell_px_, rows = (view.image.rows + cell_px_ - 1) / cell_px_;
+    views_.push_back({columns, rows, std::vector<int>(static_cast<std::size_t>(columns * rows) + 1), {}});
+  }
+  std::vector<Place> places;
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    for (const Sighting& sighting : patches[i].sightings) {
+      const std::optional<Pixel> pixel = SightingPixel(scene, patches[i], sighting);
+      if (!pixel) continue;
+      const int column = static_cast<int>(pixel->x_px.x() + 0.5) / cell_px_;
+      const int row = static_cast<int>(pixel->x_px.y() + 0.5) / cell_px_;
+      const std::size_t cell = static_cast<std::size_t>(row * views_[sighting.view].columns + column);
+      places.push_back({sighting.view, cell, {static_cast<int>(i), static_cast<float>(pixel->depth)}});
+      ++views_[sighting.view].first[cell + 1];
+    }
+  }
+  for (Cells& cells : views_) {
+    for (std::size_t c = 1; c < cells.first.size(); ++c) cells.first[c] += cells.first[c - 1];
+    cells.entries.resize(static_cast<std::size_t>(cells.first.back()));
+  }
+  std::vector<std::vector<int>> next;
+  for (const Cells& cells : views_) next.emplace_back(cells.first);
+  for (const Place& place : places) {
+    views_[place.view].entries[static_cast<std::size_t>(next[place.view][place.cell]++)] = place.entry;
+  }
+}
+
+}  // namespace rigcal

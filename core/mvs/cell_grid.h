@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/mvs/build_patch.h"
+
+namespace rigcal {
+
+/// The cells of all views (zeta x zeta pixels of the level each): which hold a patch, which are being worked on, and
+/// how often each was tried in vain.
+class CellGrid {
+ public:
+  explicit CellGrid(const StereoScene& scene);
+
+  /// Index of the cell at a pixel; the pixel lies in the image.
+  [[nodiscard]] std::size_t CellAt(int view, const Eigen::Vector2d& x_px) const;
+  /// Pixel that stands for the cell, or -1 when `column`, `row` lie outside.
+  struct CellPixel {
+    int u_px, v_px;
+    std::size_t index;
+  };
+  /// The cell `columns` to the right and `rows` below the one at a pixel; nothing outside the image.
+  [[nodiscard]] std::optional<CellPixel> Neighbour(int view, const Eigen::Vector2d& x_px, int columns, int rows) const;
+
+  [[nodiscard]] bool IsFilled(int view, std::size_t cell) const { return cells_[view][cell] & kFilled; }
+  [[nodiscard]] bool IsPending(int view, std::size_t cell) const { return cells_[view][cell] & kPending; }
+  [[nodiscard]] int Attempts(int view, std::size_t cell) const { return cells_[view][cell] >> kAttemptShift; }
+  void SetPending(int view, std::size_t cell);
+  void ClearPending();
+  void CountAttempt(int view, std::size_t cell);
+  /// Marks the cells of all sightings.
+  void Fill(const StereoScene& scene, const SurfacePatch& patch);
+  void ClearFilled();
+
+ private:
+  static constexpr std::uint8_t kFilled = 1, kPending = 2, kAttemptShift = 2;
+  int cell_px_;
+  std::vector<int> columns_, rows_;
+  std::vector<std::vector<std::uint8_t>> cells_;
+  std::vector<std::pair<int, std::size_t>> pending_;
+};
+
+/// Where a patch is seen in one of its sightings' views; nothing outside the image.
+std::optional<Pixel> SightingPixel(const StereoScene& scene, const SurfacePatch& patch, const Sighting& sighting);
+
+/// The same in all views: patches by cell, for looking up neighbours. Immutable.
+class CellIndex {
+ public:
+  CellIndex(const StereoScene& scene, const std::vector<SurfacePatch>& patches);
+
+  /// Calls visit(patch index, depth in the view) for patches in the cells within `reach` of the one at a pixel.
+  template <typename Visit>
+  void ForNeighbours(int view, const Eigen::Vector2d& x_px, int reach, Visit visit) const {
+    const int c = static_cast<int>(x_px.x() + 0.5) / cell_px_, r = static_cast<int>(x_px.y() + 0.5) / cell_px_;
+    const Cells& cells = views_[view];
+    for (int row = std::max(0, r - reach); row <= std::min(cells.rows - 1, r + reach); ++row) {
+      for (int column = std::max(0, c - reach); column <= std::min(cells.columns - 1, c + reach); ++column) {
+        const std::size_t cell = static_cast<std::size_t>(row * cells.columns + column);
+        for (int i = cells.first[cell]; i < cells.first[cell + 1]; ++i)
+          visit(cells.entries[i].patch, cells.entries[i].depth);
+      }
+    }
+  }
+
+ private:
+  struct Entry {
+    int patch;
+    float depth;
+  };
+  struct Cells {
+    int columns, rows;
+    std::vector<int> first;  ///< of each cell in entries; one more at the end
+    std::vector<Entry> entries;
+  };
+  int cell_px_;
+  std::vector<Cells> views_;
+};
+
+}  // namespace rigcal

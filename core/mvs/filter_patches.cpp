@@ -1,0 +1,157 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "core/mvs/surface.h"
+
+namespace rigcal {
+namespace {
+
+/// Least share of a patch's surrounding patches that continue its surface (PMVS paper, section 3.3: 0.25).
+constexpr double kMinNeighbourShare = 0.25;
+constexpr int kMinNeighbours = 3;
+/// Largest median distance between a patch and its neighbours' tangent planes, pixels of the level.
+constexpr double kMaxTangentDistancePx = 1.0;
+constexpr int kMinGroup = 12;  ///< patches of a connected piece of surface at least
+constexpr int kReach = 2;      ///< cells around a patch in which its neighbours are looked for
+constexpr int kFilterBlock = 64;
+
+struct Judge {
+  const StereoScene& scene;
+  const std::vector<SurfacePatch>& patches;
+  const CellIndex& index;
+
+  /// How far patches of one surface may be apart, per pixel of the level: a cell, and what wrong cameras add.
+  [[nodiscard]] double TolerancePx(const SurfacePatch& p) const {
+    return scene.options.cell_px + 2 * scene.views[p.sightings[0].view].error_px;
+  }
+  [[nodiscard]] double Footprint(const SurfacePatch& p) const {
+    const int reference = p.sightings[0].view;
+    return scene.FootprintInWorld(reference, scene.Project(reference, p.centre_in_world)->depth);
+  }
+  /// PMVS paper, section 2: |(c - c') . n| + |(c - c') . n'| < 2 rho.
+  [[nodiscard]] bool AreNeighbours(const SurfacePatch& a, const SurfacePatch& b, double footprint) const {
+    const Eigen::Vector3d d = a.centre_in_world - b.centre_in_world;
+    return std::abs(d.dot(a.normal_in_world)) + std::abs(d.dot(b.normal_in_world)) < 2 * TolerancePx(a) * footprint;
+  }
+};
+
+/// Whether the patch is in too many views behind others, or fights with better ones for its cells.
+bool IsVisible(const Judge& judge, const SurfacePatch& patch) {
+  const double footprint = judge.Footprint(patch);
+  std::set<int> rivals;
+  float rivals_ncc = 0;
+  int unoccluded = 0;
+  for (const Sighting& sighting : patch.sightings) {
+    const std::optional<Pixel> pixel = SightingPixel(judge.scene, patch, sighting);
+    if (!pixel) continue;
+    bool occluded = false;
+    judge.index.ForNeighbours(sighting.view, pixel->x_px, 0, [&](int other, float depth) {
+      const SurfacePatch& q = judge.patches[other];
+      if (&q == &patch || judge.AreNeighbours(patch, q, footprint)) return;
+      if (depth < static_cast<float>(pixel->depth)) occluded = true;
+      if (rivals.insert(other).second) rivals_ncc += q.ncc;
+    });
+    if (!occluded) ++unoccluded;
+  }
+  return unoccluded >= judge.scene.options.min_views &&
+         static_cast<float>(patch.sightings.size()) * patch.ncc >= rivals_ncc;
+}
+
+/// Whether the patches around continue its surface, smoothly.
+bool IsSupported(const Judge& judge, const SurfacePatch& patch) {
+  const double footprint = judge.Footprint(patch);
+  std::vector<double> distances_px;
+  int others = 0, neighbours = 0;
+  for (const Sighting& sighting : patch.sightings) {
+    const std::optional<Pixel> pixel = SightingPixel(judge.scene, patch, sighting);
+    if (!pixel) continue;
+    const bool is_reference = &sighting == patch.sightings.data();
+    judge.index.ForNeighbours(sighting.view, pixel->x_px, is_reference ? kReach : 1, [&](int other, float /*depth*/) {
+      const SurfacePatch& q = judge.patches[other];
+      if (&q == &patch) return;
+      ++others;
+      if (!judge.AreNeighbours(patch, q, footprint)) return;
+      ++neighbours;
+      if (!is_reference) return;
+      const Eigen::Vector3d d = patch.centre_in_world - q.centre_in_world;
+      // Halfway between the two tangent planes: curvature cancels, a step remains.
+      distances_px.push_back(0.5 * std::abs(d.dot(patch.normal_in_world) + d.dot(q.normal_in_world)) / footprint);
+    });
+  }
+  if (static_cast<int>(distances_px.size()) < kMinNeighbours) return false;
+  if (neighbours < kMinNeighbourShare * others) return false;
+  const auto middle = distances_px.begin() + static_cast<std::ptrdiff_t>(distances_px.size() / 2);
+  std::nth_element(distances_px.begin(), middle, distances_px.end());
+  return *middle < kMaxTangentDistancePx + judge.scene.views[patch.sightings[0].view].error_px;
+}
+
+bool Keep(const StereoScene& scene, const Execution& execution, std::vector<SurfacePatch>& patches,
+          bool (*passes)(const Judge&, const SurfacePatch&)) {
+  const CellIndex index(scene, patches);
+  const Judge judge{scene, patches, index};
+  const int count = static_cast<int>(patches.size());
+  std::vector<char> kept(patches.size());
+  const bool finished = ParallelFor(execution, (count + kFilterBlock - 1) / kFilterBlock, [&](int block) {
+    for (int i = block * kFilterBlock; i < std::min(count, (block + 1) * kFilterBlock); ++i) {
+      kept[i] = passes(judge, patches[i]);
+    }
+  });
+  if (!finished) return false;
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    if (!kept[i]) continue;
+    if (next != i) patches[next] = std::move(patches[i]);
+    ++next;
+  }
+  patches.resize(next);
+  return true;
+}
+
+/// Removes pieces of surface with fewer than kMinGroup patches.
+void DropSmallGroups(const StereoScene& scene, std::vector<SurfacePatch>& patches) {
+  const CellIndex index(scene, patches);
+  const Judge judge{scene, patches, index};
+  std::vector<int> group(patches.size(), -1);
+  std::vector<int> size;
+  for (std::size_t start = 0; start < patches.size(); ++start) {
+    if (group[start] >= 0) continue;
+    const int id = static_cast<int>(size.size());
+    size.push_back(0);
+    std::vector<int> open{static_cast<int>(start)};
+    group[start] = id;
+    while (!open.empty()) {
+      const SurfacePatch& p = patches[open.back()];
+      open.pop_back();
+      ++size[id];
+      const double footprint = judge.Footprint(p);
+      const std::optional<Pixel> pixel = SightingPixel(scene, p, p.sightings[0]);
+      if (!pixel) continue;
+      index.ForNeighbours(p.sightings[0].view, pixel->x_px, kReach, [&](int other, float /*depth*/) {
+        if (group[other] >= 0 || !judge.AreNeighbours(p, patches[other], footprint)) return;
+        group[other] = id;
+        open.push_back(other);
+      });
+    }
+  }
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    if (size[group[i]] < kMinGroup) continue;
+    if (next != i) patches[next] = std::move(patches[i]);
+    ++next;
+  }
+  patches.resize(next);
+}
+
+}  // namespace
+
+std::optional<std::vector<SurfacePatch>> FilterPatches(const StereoScene& scene, std::vector<SurfacePatch> patches,
+                                                       const Execution& execution) {
+  if (!Keep(scene, execution, patches, IsVisible)) return std::nullopt;
+  if (!Keep(scene, execution, patches, IsSupported)) return std::nullopt;
+  DropSmallGroups(scene, patches);
+  return patches;
+}
+
+}  // namespace rigcal

@@ -1,0 +1,47 @@
+#include "core/mvs/reconstruct.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "core/mvs/stereo_scene.h"
+#include "core/mvs/surface.h"
+
+namespace rigcal {
+namespace {
+
+/// Expanding and filtering in turns: what a filter frees is filled again (the PMVS paper does three).
+constexpr int kTurns = 2;
+
+Patch Published(const SurfacePatch& patch) {
+  Patch out{patch.centre_in_world, patch.normal_in_world, patch.sightings[0].view, {}, patch.ncc};
+  for (const Sighting& sighting : patch.sightings) out.visible_views.push_back(sighting.view);
+  std::sort(out.visible_views.begin(), out.visible_views.end());
+  return out;
+}
+
+}  // namespace
+
+Result<std::vector<Patch>> Reconstruct(const ImageSet& images, const RigCalibration& calibration,
+                                       const StereoOptions& options, const Execution& execution) {
+  const StereoScene scene = MakeStereoScene(images, calibration, options);
+  Surface surface{{}, CellGrid(scene)};
+  if (!SeedSurface(scene, execution, surface)) return Cancelled("the stereo");
+  execution.Report(1.0 / (kTurns + 1));
+  for (int turn = 0; turn < kTurns; ++turn) {
+    std::vector<int> all(surface.patches.size());
+    std::iota(all.begin(), all.end(), 0);
+    if (!ExpandSurface(scene, std::move(all), execution, surface)) return Cancelled("the stereo");
+    std::optional<std::vector<SurfacePatch>> kept = FilterPatches(scene, std::move(surface.patches), execution);
+    if (!kept) return Cancelled("the stereo");
+    surface.patches = std::move(*kept);
+    surface.cells.ClearFilled();
+    for (const SurfacePatch& patch : surface.patches) surface.cells.Fill(scene, patch);
+    execution.Report((turn + 2.0) / (kTurns + 1));
+  }
+  std::vector<Patch> patches;
+  patches.reserve(surface.patches.size());
+  for (const SurfacePatch& patch : surface.patches) patches.push_back(Published(patch));
+  return patches;
+}
+
+}  // namespace rigcal

@@ -1,0 +1,75 @@
+#include "core/mvs/stereo_scene.h"
+
+#include <Eigen/LU>
+#include <cmath>
+
+#include "core/base/ensure.h"
+
+namespace rigcal {
+namespace {
+
+/// From this error on (pixels of the level) offsets are free. Below it a window of 7 pixels loses less than 0.02 of its
+/// NCC and a joint fit is more precise than one with offsets (measured on templeSparseRing at level 2).
+constexpr double kFreeOffsetsFromErrorPx = 0.3;
+
+StereoView MakeView(const ViewImages& pictures, const Camera& camera, const Rigid3d& cam_from_world,
+                    const StereoOptions& options, std::size_t index) {
+  const double scale = std::ldexp(1.0, -options.level);
+  StereoView view;
+  view.image = pictures.gray[options.level];
+  view.full_size = &pictures;
+  view.px_from_world = ProjectionMatrix(camera, cam_from_world, options.level);
+  view.direction_from_px = view.px_from_world.leftCols<3>().inverse();
+  view.centre_in_world = CentreInWorld(cam_from_world);
+  view.focal_px = 0.5 * (camera.fx_px + camera.fy_px) * scale;
+  view.error_px = options.expected_error_px.empty() ? 0 : options.expected_error_px[index] * scale;
+  return view;
+}
+
+}  // namespace
+
+std::optional<Pixel> StereoScene::Project(int view, const Eigen::Vector3d& x_in_world) const {
+  const Eigen::Vector3d q = views[view].px_from_world * x_in_world.homogeneous();
+  if (!(q.z() > 0)) return std::nullopt;
+  return Pixel{q.head<2>() / q.z(), q.z()};
+}
+
+Eigen::Vector3d StereoScene::TowardsCamera(int view, const Eigen::Vector3d& x_in_world) const {
+  return (views[view].centre_in_world - x_in_world).normalized();
+}
+
+bool StereoScene::CanHoldWindow(int view, const Eigen::Vector2d& x_px) const {
+  const double border = options.window_px / 2;
+  const cv::Mat1f& image = views[view].image;
+  if (!(x_px.x() >= border && x_px.y() >= border && x_px.x() <= image.cols - 1 - border &&
+        x_px.y() <= image.rows - 1 - border)) {
+    return false;
+  }
+  return views[view].full_size->IsObject(x_px * std::ldexp(1.0, options.level));
+}
+
+StereoScene MakeStereoScene(const ImageSet& images, const RigCalibration& calibration, const StereoOptions& options) {
+  Ensure(images.NumViews() == calibration.NumViews(), "images and calibration have different views");
+  Ensure(options.level >= 0 && options.level < images.NumLevels(), "the pyramids do not reach the level of the stereo");
+  Ensure(options.window_px >= 3 && options.window_px <= kMaxWindowPx && options.window_px % 2 == 1,
+         "the correlation window has an odd side between 3 and kMaxWindowPx");
+  Ensure(options.cell_px >= 1 && options.min_views >= 2, "a cell has a pixel, a patch has two views");
+  Ensure(options.expected_error_px.empty() || static_cast<int>(options.expected_error_px.size()) == images.NumViews(),
+         "expected_error_px has one entry per view or none");
+  StereoScene scene;
+  scene.options = options;
+  for (int i = 0; i < images.NumViews(); ++i) {
+    scene.views.push_back(MakeView(images.views[i], calibration.CameraOf(i), calibration.views[i].cam_from_world,
+                                   options, static_cast<std::size_t>(i)));
+    scene.free_offsets = scene.free_offsets || scene.views.back().error_px >= kFreeOffsetsFromErrorPx;
+  }
+  for (const StereoView& r : scene.views) {
+    for (const StereoView& j : scene.views) {
+      scene.pairs.push_back(
+          {j.px_from_world.leftCols<3>() * r.direction_from_px, j.px_from_world * r.centre_in_world.homogeneous()});
+    }
+  }
+  return scene;
+}
+
+}  // namespace rigcal

@@ -1,0 +1,188 @@
+#include "core/mvs/window.h"
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cmath>
+
+#include "core/image/sample.h"
+
+namespace rigcal {
+namespace {
+
+/// A window whose grey values vary less than a quarter of an 8-bit step (rms) shows nothing but rounding.
+constexpr float kMinContrast = 0.25f / 255;
+/// Largest ratio of a window's side in a view to its side in the reference: beyond, bilinear samples alias.
+constexpr float kMaxScale = 2.5f;
+/// A window's plane must not be seen more obliquely than this in its reference (cosine; about 80 degrees).
+constexpr double kMinCosine = 0.17;
+
+bool CanSampleWindow(const cv::Mat1f& image, int window_px, const WindowWarp& warp, int border) {
+  const float h = static_cast<float>(window_px / 2);
+  for (const float dv : {-h, h}) {
+    for (const float du : {-h, h}) {
+      const Eigen::Vector3f q = warp.centre + warp.by_u * du + warp.by_v * dv;
+      if (!(q.z() > 0)) return false;
+      if (!CanSample(image, q.x() / q.z() + warp.offset_px.x(), q.y() / q.z() + warp.offset_px.y(), border))
+        return false;
+    }
+  }
+  return true;
+}
+
+/// Takes the mean off and scales to norm 1; false when there is nothing to scale.
+bool Normalise(WindowSamples& samples, float& norm) {
+  samples -= samples.mean();
+  norm = std::sqrt(samples.square().sum());
+  if (!(norm > kMinContrast * std::sqrt(static_cast<float>(samples.size())))) return false;
+  samples /= norm;
+  return true;
+}
+
+}  // namespace
+
+std::optional<WindowPlane> PlaneThrough(const StereoScene& scene, int reference_view, int u_px, int v_px,
+                                        const Eigen::Vector3d& point_in_world, const Eigen::Vector3d& normal_in_world) {
+  const StereoView& view = scene.views[reference_view];
+  const Eigen::Vector3d pixel(u_px, v_px, 1);
+  const Eigen::Vector3d ray = view.direction_from_px * pixel;
+  const double facing = -normal_in_world.dot(ray) / ray.norm();
+  const double distance = normal_in_world.dot(view.centre_in_world - point_in_world);
+  if (!(facing > kMinCosine) || !(distance > 0)) return std::nullopt;
+  // On the plane n.(C + z D (u,v,1) - X) = 0, hence 1/z = -n^T D (u,v,1) / n.(C - X).
+  const Eigen::Vector3d k = -(view.direction_from_px.transpose() * normal_in_world) / distance;
+  return WindowPlane{reference_view, u_px, v_px, {k.dot(pixel), k.x(), k.y()}};
+}
+
+Eigen::Vector3d CentreInWorld(const StereoScene& scene, const WindowPlane& plane) {
+  const StereoView& view = scene.views[plane.reference_view];
+  return view.centre_in_world +
+         view.direction_from_px * Eigen::Vector3d(plane.u_px, plane.v_px, 1) / plane.inverse_depth[0];
+}
+
+Eigen::Vector3d NormalInWorld(const StereoScene& scene, const WindowPlane& plane) {
+  const Eigen::Vector3d& w = plane.inverse_depth;
+  const Eigen::Vector3d k(w[1], w[2], w[0] - w[1] * plane.u_px - w[2] * plane.v_px);
+  return -(scene.views[plane.reference_view].px_from_world.leftCols<3>().transpose() * k).normalized();
+}
+
+std::optional<WindowTexture> ReferenceTexture(const StereoScene& scene, const WindowPlane& plane) {
+  const cv::Mat1f& image = scene.views[plane.reference_view].image;
+  const int side = scene.options.window_px, h = side / 2;
+  if (plane.u_px < h || plane.v_px < h || plane.u_px + h >= image.cols || plane.v_px + h >= image.rows) {
+    return std::nullopt;
+  }
+  WindowTexture texture;
+  texture.normalised.resize(side * side);
+  for (int row = 0; row < side; ++row) {
+    const float* p = image.ptr<float>(plane.v_px - h + row) + plane.u_px - h;
+    texture.normalised.segment(row * side, side) = Eigen::Map<const Eigen::ArrayXf>(p, side);
+  }
+  if (!Normalise(texture.normalised, texture.norm)) return std::nullopt;
+  return texture;
+}
+
+std::optional<WindowWarp> MakeWarp(const StereoScene& scene, const WindowPlane& plane, int view,
+                                   const Eigen::Vector2f& offset_px) {
+  const PairGeometry& pair = scene.Pair(plane.reference_view, view);
+  const Eigen::Vector3d& w = plane.inverse_depth;
+  const Eigen::Vector3d centre =
+      pair.infinite_homography * Eigen::Vector3d(plane.u_px, plane.v_px, 1) + w[0] * pair.epipole;
+  if (!(centre.z() > 0)) return std::nullopt;
+  const double scale = 1 / centre.z();
+  WindowWarp warp;
+  warp.centre = (centre * scale).cast<float>();
+  warp.by_u = ((pair.infinite_homography.col(0) + w[1] * pair.epipole) * scale).cast<float>();
+  warp.by_v = ((pair.infinite_homography.col(1) + w[2] * pair.epipole) * scale).cast<float>();
+  warp.epipole = (pair.epipole * scale).cast<float>();
+  warp.offset_px = offset_px;
+  const Eigen::Vector2f side_u = warp.by_u.head<2>() - warp.centre.head<2>() * warp.by_u.z();
+  const Eigen::Vector2f side_v = warp.by_v.head<2>() - warp.centre.head<2>() * warp.by_v.z();
+  const float area = std::abs(side_u.x() * side_v.y() - side_u.y() * side_v.x());
+  if (!(side_u.norm() < kMaxScale && side_v.norm() < kMaxScale && area > 1 / (kMaxScale * kMaxScale))) {
+    return std::nullopt;
+  }
+  return warp;
+}
+
+std::optional<float> WindowNcc(const cv::Mat1f& image, int window_px, const WindowWarp& warp,
+                               const WindowTexture& reference) {
+  if (!CanSampleWindow(image, window_px, warp, 0)) return std::nullopt;
+  const int h = window_px / 2;
+  WindowSamples values(window_px * window_px);
+  int k = 0;
+  for (int dv = -h; dv <= h; ++dv) {
+    const Eigen::Vector3f row = warp.centre + warp.by_v * static_cast<float>(dv);
+    for (int du = -h; du <= h; ++du, ++k) {
+      const float d = static_cast<float>(du);
+      const float s = 1 / (row.z() + warp.by_u.z() * d);
+      values[k] = SampleBilinear(image, (row.x() + warp.by_u.x() * d) * s + warp.offset_px.x(),
+                                 (row.y() + warp.by_u.y() * d) * s + warp.offset_px.y());
+    }
+  }
+  values -= values.mean();
+  const float norm = std::sqrt(values.square().sum());
+  if (!(norm > kMinContrast * static_cast<float>(window_px))) return 0.0f;
+  return (values * reference.normalised).sum() / norm;
+}
+
+std::optional<ViewNormalEquations> LineariseWindow(const cv::Mat1f& image, int window_px, const WindowWarp& warp,
+                                                   const WindowTexture& reference, bool with_offset) {
+  if (!CanSampleWindow(image, window_px, warp, 1)) return std::nullopt;
+  const int h = window_px / 2;
+  const int n = window_px * window_px;
+  std::array<WindowSamples, 5> by;  // derivative of the grey value by w, dw/du, dw/dv, offset x, offset y
+  for (WindowSamples& column : by) column.resize(n);
+  WindowSamples values(n);
+  int k = 0;
+  for (int dv = -h; dv <= h; ++dv) {
+    const Eigen::Vector3f row = warp.centre + warp.by_v * static_cast<float>(dv);
+    for (int du = -h; du <= h; ++du, ++k) {
+      const float d = static_cast<float>(du);
+      const float s = 1 / (row.z() + warp.by_u.z() * d);
+      const float x = (row.x() + warp.by_u.x() * d) * s, y = (row.y() + warp.by_u.y() * d) * s;
+      const SampleWithGradient sample = SampleCubic(image, x + warp.offset_px.x(), y + warp.offset_px.y());
+      values[k] = sample.value;
+      by[0][k] = s * (sample.by_x * (warp.epipole.x() - x * warp.epipole.z()) +
+                      sample.by_y * (warp.epipole.y() - y * warp.epipole.z()));
+      by[1][k] = by[0][k] * d;
+      by[2][k] = by[0][k] * static_cast<float>(dv);
+      by[3][k] = sample.by_x;
+      by[4][k] = sample.by_y;
+    }
+  }
+  float norm = 0;
+  if (!Normalise(values, norm)) return std::nullopt;
+  // f = (I - mean) / |I - mean|, so df = (P dI) / norm with P the projector across 1 and f; P f = 0 removes f_j itself
+  // from the gradient of |f_j - f_r|^2 / 2.
+  ViewNormalEquations equations;
+  equations.ncc = (values * reference.normalised).sum();
+  equations.hessian.setZero();
+  equations.gradient.setZero();
+  const int columns = with_offset ? 5 : 3;
+  std::array<float, 5> along_f{};
+  for (int c = 0; c < columns; ++c) {
+    by[c] = (by[c] - by[c].mean()) / norm;
+    along_f[c] = (by[c] * values).sum();
+    equations.gradient[c] = along_f[c] * equations.ncc - (by[c] * reference.normalised).sum();
+    for (int b = 0; b <= c; ++b) {
+      equations.hessian(b, c) = equations.hessian(c, b) = (by[b] * by[c]).sum() - along_f[b] * along_f[c];
+    }
+  }
+  return equations;
+}
+
+std::optional<OffsetMatch> SearchOffset(const cv::Mat1f& image, int window_px, const WindowWarp& warp,
+                                        const WindowTexture& reference, int radius_px) {
+  std::optional<OffsetMatch> best;
+  WindowWarp moved = warp;
+  for (int dy = -radius_px; dy <= radius_px; ++dy) {
+    for (int dx = -radius_px; dx <= radius_px; ++dx) {
+      moved.offset_px = warp.offset_px + Eigen::Vector2f(static_cast<float>(dx), static_cast<float>(dy));
+      const std::optional<float> ncc = WindowNcc(image, window_px, moved, reference);
+      if (ncc && (!best || *ncc > best->ncc)) best = OffsetMatch{moved.offset_px, *ncc};
+    }
+  }
+  return best;
+}
+
+}  // namespace rigcal
