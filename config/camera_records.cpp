@@ -10,9 +10,9 @@
 namespace rigcal {
 namespace {
 
-constexpr const char* kOnlyCamera = "camera";    // id of the physical camera when neither file nor option names one
-constexpr std::size_t kMaxNameLength = 1024;     // std::regex recurses once per character
-constexpr double kReportedSpreadPx = 1e-9;       // smaller differences are the rounding of a text file
+constexpr const char* kOnlyCamera = "camera";  // id of the physical camera when neither file nor option names one
+constexpr std::size_t kMaxNameLength = 1024;   // std::regex recurses once per character
+constexpr double kReportedSpreadPx = 1e-9;     // smaller differences are the rounding of a text file
 
 Result<std::vector<std::string>> PhysicalIds(const std::vector<CameraRecord>& records, const std::string& pattern) {
   std::vector<std::string> ids;
@@ -24,7 +24,8 @@ Result<std::vector<std::string>> PhysicalIds(const std::vector<CameraRecord>& re
   try {
     const std::regex regex(pattern);
     if (regex.mark_count() < 1)
-      return Fail(ErrorCode::kBadInput, "camera from name: '{}' has no group (...) that could name the camera", pattern);
+      return Fail(ErrorCode::kBadInput, "camera from name: '{}' has no group (...) that could name the camera",
+                  pattern);
     for (const CameraRecord& record : records) {
       std::smatch match;
       if (!std::regex_search(record.name, match, regex) || match.str(1).empty())

@@ -14,8 +14,8 @@ struct CameraFileOptions {
   /// Searched in each image's file name; its first group is the id of the physical camera. Empty: what the file says;
   /// a file that says nothing (Middlebury) has one camera.
   std::string camera_from_name;
-  /// kPerView gives each view a Camera of its own, "<physical>/<image>"; the others share one Camera among the views of a
-  /// physical camera, which starts from the median of each parameter.
+  /// kPerView gives each view a Camera of its own, "<physical>/<image>"; the others share one Camera among the views of
+  /// a physical camera, which starts from the median of each parameter.
   IntrinsicsMode intrinsics = IntrinsicsMode::kPerCamera;
   bool allow_skew = false;  ///< otherwise |skew| above kMaxIgnoredSkewPx is refused and below is set to 0
   int min_views = 3;
@@ -34,8 +34,8 @@ struct LoadedCameras {
 };
 
 /// Reads cameras from a Middlebury *_par.txt, a COLMAP text model (a folder with cameras.txt and images.txt) or a
-/// calibration.json, told apart by their content (docs/formats.md). Views keep the order of the file. Errors: kNotFound,
-/// kIo, kBadInput, kUnsupported.
+/// calibration.json, told apart by their content (docs/formats.md). Views keep the order of the file. Errors:
+/// kNotFound, kIo, kBadInput, kUnsupported.
 Result<LoadedCameras> LoadCameras(const std::filesystem::path& path, const CameraFileOptions& options);
 
 }  // namespace rigcal

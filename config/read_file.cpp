@@ -14,7 +14,8 @@ namespace rigcal {
 
 Result<std::string> ReadFile(const std::filesystem::path& path) {
   std::error_code error;
-  if (!std::filesystem::exists(path, error)) return Fail(ErrorCode::kNotFound, "{}: there is no such file", path.string());
+  if (!std::filesystem::exists(path, error))
+    return Fail(ErrorCode::kNotFound, "{}: there is no such file", path.string());
   if (std::filesystem::is_directory(path, error))
     return Fail(ErrorCode::kBadInput, "{}: a file is needed here, this is a folder", path.string());
   errno = 0;

@@ -9,7 +9,9 @@ namespace {
 constexpr std::string_view kBlank = " \t\r";
 constexpr std::size_t kQuotedLength = 40;  // longest piece of a broken file that a message repeats, in characters
 
-std::string_view Quoted(std::string_view field) { return field.substr(0, kQuotedLength); }
+std::string_view Quoted(std::string_view field) {
+  return field.substr(0, kQuotedLength);
+}
 
 }  // namespace
 

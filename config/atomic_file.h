@@ -1,0 +1,18 @@
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+#include "core/base/result.h"
+
+namespace rigcal {
+
+/// Writes a whole file or leaves what was there: into a temporary file of the same folder, fsync, rename. Errors:
+/// kDiskFull, kIo (the folder is missing or may not be written); the temporary file is removed.
+Result<void> WriteFileAtomically(const std::filesystem::path& path, std::string_view bytes);
+
+/// Makes the folder, with its parents, unless it is there, and tries that a file can be written in it, so that a long
+/// run does not fail at its end. Errors: kBadInput (the path is a file), kIo, kDiskFull.
+Result<void> PrepareOutputFolder(const std::filesystem::path& folder);
+
+}  // namespace rigcal

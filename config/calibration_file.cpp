@@ -1,0 +1,228 @@
+#include "config/calibration_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <stdexcept>
+
+#include "config/atomic_file.h"
+#include "config/json_text.h"
+
+namespace rigcal {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kVersion = 1;
+constexpr const char* kFormat = "rigcal calibration";
+constexpr const char* kFrame =
+    "x_in_cam = cam_from_world * x_in_world; camera +x right, +y down, +z forward; pixel (0,0) is the centre of the "
+    "top-left pixel; distortion as in OpenCV";
+constexpr const char* kCovarianceOrder =
+    "for each camera fx fy cx cy skew k1 k2 p1 p2 k3, then for each view a rotation (rad) about and a shift along the "
+    "camera's own x y z; rows not listed are 0";
+
+/// Rows of the covariance that are not all zero: what was held fixed is left out of the file.
+std::vector<int> EstimatedRows(const Eigen::MatrixXd& joint) {
+  std::vector<int> rows;
+  for (int row = 0; row < joint.rows(); ++row)
+    if (joint(row, row) != 0) rows.push_back(row);
+  return rows;
+}
+
+Json CovarianceJson(const Eigen::MatrixXd& joint) {
+  const std::vector<int> rows = EstimatedRows(joint);
+  Json upper = Json::array();
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    Json line = Json::array();
+    for (std::size_t j = i; j < rows.size(); ++j) line.push_back(joint(rows[i], rows[j]));
+    upper.push_back(std::move(line));
+  }
+  return {{"order", kCovarianceOrder}, {"rows", rows}, {"upper_triangle", std::move(upper)}};
+}
+
+Json CamerasJson(const RigCalibration& calibration) {
+  Json cameras = Json::array();
+  for (int c = 0; c < calibration.NumCameras(); ++c) {
+    const Camera& camera = calibration.cameras[c];
+    Json json = {{"id", camera.id}, {"physical_id", camera.physical_id}};
+    json["width_px"] = camera.width_px, json["height_px"] = camera.height_px;
+    json.update(IntrinsicsJson(camera.Intrinsics()));
+    if (calibration.covariance) {
+      const Eigen::VectorXd variance = calibration.covariance->joint.diagonal();
+      const int row = CalibrationCovariance::IntrinsicsRow(c);
+      json["sigma"] = IntrinsicsJson(variance.segment<kNumIntrinsics>(row).cwiseMax(0).cwiseSqrt());
+    }
+    cameras.push_back(std::move(json));
+  }
+  return cameras;
+}
+
+Json ViewsJson(const RigCalibration& calibration) {
+  Json views = Json::array();
+  for (int v = 0; v < calibration.NumViews(); ++v) {
+    const View& view = calibration.views[v];
+    const Eigen::Quaterniond& q = view.cam_from_world.rotation;
+    const Eigen::Vector3d& t = view.cam_from_world.translation;
+    Json pose = {{"rotation", {{"w", q.w()}, {"x", q.x()}, {"y", q.y()}, {"z", q.z()}}},
+                 {"translation", {t.x(), t.y(), t.z()}}};
+    views.push_back({{"name", view.name}, {"camera", calibration.CameraOf(v).id}, {"cam_from_world", std::move(pose)}});
+  }
+  return views;
+}
+
+Json ProvenanceJson(const Provenance& provenance) {
+  Json options = Json::object(), inputs = Json::array();
+  for (const auto& [name, value] : provenance.options) options[name] = value;
+  for (const InputFile& input : provenance.inputs) inputs.push_back({{"file", input.name}, {"sha256", input.sha256}});
+  return {{"program", "rigcal"},           {"version", provenance.program_version}, {"method", provenance.method},
+          {"options", std::move(options)}, {"random_seed", provenance.random_seed}, {"inputs", std::move(inputs)},
+          {"notes", provenance.notes}};
+}
+
+/// A content that cannot be used; becomes an Error at the end of ParseCalibration, as do the exceptions of the library.
+class BadContent : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+template <typename... Args>
+[[noreturn]] void Refuse(fmt::format_string<Args...> format, Args&&... args) {
+  throw BadContent(fmt::format(format, std::forward<Args>(args)...));
+}
+
+int WholeNumber(const Json& json, int low, int high, const char* what) {
+  const double number = json.get<double>();
+  if (!(number >= low && number <= high) || number != std::floor(number))
+    Refuse("{} is {}, a whole number from {} to {} is needed", what, number, low, high);
+  return static_cast<int>(number);
+}
+
+Camera CameraFrom(const Json& json) {
+  Camera camera;
+  camera.id = json.at("id").get<std::string>();
+  camera.physical_id = json.value("physical_id", camera.id);
+  camera.width_px = WholeNumber(json.at("width_px"), 1, std::numeric_limits<int>::max(), "width_px");
+  camera.height_px = WholeNumber(json.at("height_px"), 1, std::numeric_limits<int>::max(), "height_px");
+  IntrinsicVector intrinsics;
+  for (int i = 0; i < kNumIntrinsics; ++i) intrinsics[i] = json.at(kIntrinsicKeys[i]).get<double>();
+  camera.SetIntrinsics(intrinsics);
+  return camera;
+}
+
+Rigid3d PoseFrom(const Json& json, const std::string& where) {
+  const Json& q = json.at("rotation");
+  const Result<Eigen::Quaterniond> rotation = RotationFromQuaternion(
+      q.at("w").get<double>(), q.at("x").get<double>(), q.at("y").get<double>(), q.at("z").get<double>(), where);
+  if (!rotation) throw BadContent(rotation.error().message);
+  const auto t = json.at("translation").get<std::vector<double>>();
+  if (t.size() != 3) Refuse("{}: the translation has {} numbers instead of 3", where, t.size());
+  return {*rotation, Eigen::Vector3d(t[0], t[1], t[2])};
+}
+
+CalibrationCovariance CovarianceFrom(const Json& json, Eigen::Index size) {
+  std::vector<int> rows;
+  for (const Json& row : json.at("rows"))
+    rows.push_back(
+        WholeNumber(row, rows.empty() ? 0 : rows.back() + 1, static_cast<int>(size) - 1, "a covariance row"));
+  const Json& upper = json.at("upper_triangle");
+  if (upper.size() != rows.size())
+    Refuse("covariance: {} rows are listed, the upper triangle has {}", rows.size(), upper.size());
+  CalibrationCovariance covariance{Eigen::MatrixXd::Zero(size, size)};
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (upper.at(i).size() != rows.size() - i)
+      Refuse("covariance: line {} of the upper triangle has {} numbers instead of {}", i, upper.at(i).size(),
+             rows.size() - i);
+    for (std::size_t j = i; j < rows.size(); ++j)
+      covariance.joint(rows[i], rows[j]) = covariance.joint(rows[j], rows[i]) = upper.at(i).at(j - i).get<double>();
+  }
+  return covariance;
+}
+
+Provenance ProvenanceFrom(const Json& json) {
+  Provenance provenance;
+  provenance.program_version = json.at("version").get<std::string>();
+  provenance.method = json.at("method").get<std::string>();
+  for (const auto& [name, value] : json.at("options").items())
+    provenance.options.emplace_back(name, value.get<std::string>());
+  provenance.random_seed = json.at("random_seed").get<std::uint64_t>();
+  for (const Json& input : json.at("inputs"))
+    provenance.inputs.push_back({input.at("file").get<std::string>(), input.at("sha256").get<std::string>()});
+  provenance.notes = json.at("notes").get<std::vector<std::string>>();
+  return provenance;
+}
+
+LengthUnit UnitFrom(const Json& json) {
+  const auto unit = json.get<std::string>();
+  if (unit != "m" && unit != "unknown") Refuse("the unit is '{}', 'm' or 'unknown' is needed", unit);
+  return unit == "m" ? LengthUnit::kMetre : LengthUnit::kUnknown;
+}
+
+CalibrationContent ContentFrom(const Json& json, const std::string& file) {
+  CalibrationContent content;
+  RigCalibration& calibration = content.calibration;
+  std::map<std::string, int> camera_by_id;
+  for (const Json& camera : json.at("cameras")) {
+    calibration.cameras.push_back(CameraFrom(camera));
+    if (!camera_by_id.emplace(calibration.cameras.back().id, calibration.NumCameras() - 1).second)
+      Refuse("the camera '{}' is there twice", calibration.cameras.back().id);
+  }
+  for (const Json& view : json.at("views")) {
+    const auto name = view.at("name").get<std::string>();
+    const std::string where = fmt::format("{} view '{}'", file, name);
+    const auto camera = camera_by_id.find(view.at("camera").get<std::string>());
+    if (camera == camera_by_id.end())
+      Refuse("view '{}': there is no camera '{}'", name, view.at("camera").get<std::string>());
+    calibration.views.push_back({name, camera->second, PoseFrom(view.at("cam_from_world"), where)});
+    const View& added = calibration.views.back();
+    content.records.push_back({name, where, calibration.cameras[added.camera], added.cam_from_world});
+  }
+  calibration.unit = UnitFrom(json.at("unit"));
+  if (json.contains("covariance"))
+    calibration.covariance = CovarianceFrom(
+        json.at("covariance"), CalibrationCovariance::PoseRow(calibration.NumCameras(), calibration.NumViews()));
+  if (json.contains("provenance")) content.provenance = ProvenanceFrom(json.at("provenance"));
+  return content;
+}
+
+/// "(/cameras/0/fx_px) type must be number, but is string" of "[json.exception.type_error.302] (...".
+std::string WithoutErrorNumber(const std::string& what) {
+  const std::size_t end = what.find("] ");
+  return end == std::string::npos ? what : what.substr(end + 2);
+}
+
+}  // namespace
+
+std::string CalibrationText(const RigCalibration& calibration, const Provenance& provenance) {
+  Json json = {{"format", kFormat}, {"version", kVersion}, {"frame", kFrame}};
+  json["unit"] = calibration.unit == LengthUnit::kMetre ? "m" : "unknown";
+  json["cameras"] = CamerasJson(calibration);
+  json["views"] = ViewsJson(calibration);
+  json["provenance"] = ProvenanceJson(provenance);
+  if (calibration.covariance) json["covariance"] = CovarianceJson(calibration.covariance->joint);
+  return JsonText(json);
+}
+
+Result<void> WriteCalibration(const std::filesystem::path& path, const RigCalibration& calibration,
+                              const Provenance& provenance) {
+  return WriteFileAtomically(path, CalibrationText(calibration, provenance));
+}
+
+Result<CalibrationContent> ParseCalibration(std::string_view text, const std::string& file) {
+  try {
+    const Json json = Json::parse(text);
+    if (json.at("format") != kFormat) return Fail(ErrorCode::kBadInput, "{}: the format is not '{}'", file, kFormat);
+    if (const int version = WholeNumber(json.at("version"), 1, std::numeric_limits<int>::max(), "version");
+        version > kVersion)
+      return Fail(ErrorCode::kUnsupported, "{}: has version {}, this program reads up to {}", file, version, kVersion);
+    return ContentFrom(json, file);
+  } catch (const nlohmann::json::exception& error) {
+    return Fail(ErrorCode::kBadInput, "{}: {}", file, WithoutErrorNumber(error.what()));
+  } catch (const BadContent& error) {
+    const std::string message = error.what();
+    return Fail(ErrorCode::kBadInput, "{}", message.starts_with(file) ? message : file + ": " + message);
+  }
+}
+
+}  // namespace rigcal
