@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/base/execution.h"
+#include "core/rig/measurements.h"
 #include "core/rig/priors.h"
 #include "core/scene/rig_calibration.h"
 #include "core/scene/track.h"
@@ -13,34 +14,42 @@ namespace rigcal {
 struct AdjustOptions {
   IntrinsicsMode intrinsics = IntrinsicsMode::kPerCamera;
   bool refine_distortion = false;
-  double observation_sigma_px = 0.3;       ///< one coordinate of one feature (DESIGN.md section 3, point 1)
+  MeasurementNoise noise;                  ///< of the features, before anything is known of the fit
   double cauchy_scale_px = 0.5;            ///< robust loss (point 4); 0: plain least squares (--method paper)
   double min_expected_error_px = 4;        ///< floor of the new Er: one pixel at level L (point 2)
   int min_features_per_view = 100;         ///< a view with fewer keeps its Er (point 2)
   std::vector<CameraPrior> camera_priors;  ///< one per camera; empty: none (--method paper)
   std::optional<SeedPrior> seed_prior;     ///< none for --method paper
   std::vector<bool> fixed_views;           ///< --fix-cameras; empty: none fixed
-  bool estimate_covariance = true;
+  bool estimate_covariance = true;         ///< needs a gauge: a seed prior or a fixed view
   bool paper = false;  ///< five free intrinsics per view, sum of squares (1), Er = mean + 3 sigma for all views alike
 };
 
 struct AdjustReport {
-  int num_tracks = 0, num_observations = 0;  ///< used, without the held-out ones
+  int num_tracks = 0, num_observations = 0;                  ///< used, without the held-out ones and the dropped ones
+  int num_dropped_tracks = 0, num_dropped_observations = 0;  ///< grossly wrong, found after a first solution
+  int num_iterations = 0;                                    ///< of Ceres, all solutions together
   double reprojection_mean_px = 0, reprojection_std_px = 0;
   std::vector<double> residual_px;        ///< per view: mean over its features, 0 without any
   std::vector<int> num_features;          ///< per view
   std::vector<double> expected_error_px;  ///< per view: the Er of the next round
   double observation_sigma_px = 0;        ///< as found from the residuals; scales the covariance
+  /// Image motion at the object, one sigma, of the directions that the features alone determine worst, largest first:
+  /// see WeakestDirectionsPx(). Empty without covariance.
+  std::vector<double> weakest_directions_px;
 };
 
 struct Adjustment {
   RigCalibration calibration;  ///< refined, in the seed's gauge and scale, with covariance when asked for
-  TrackSet tracks;             ///< with refined x_in_world; held-out tracks triangulated anew
+  /// With refined x_in_world and without what was dropped as grossly wrong; held-out tracks are whole, triangulated
+  /// anew (where that fails they keep their point).
+  TrackSet tracks;
   AdjustReport report;
 };
 
-/// Bundle adjustment (paper equation (1), with the priors of DESIGN.md section 3). Reproducible bit by bit: Ceres runs
-/// with one thread. Errors: kCancelled; kBadInput when nothing is left to adjust.
+/// Bundle adjustment (paper equation (1), with the priors of DESIGN.md section 3). `expected_error_px` is each view's
+/// Er of this round. Reproducible bit by bit: Ceres runs with one thread. Errors: kCancelled; kBadInput when nothing is
+/// left to adjust.
 Result<Adjustment> Adjust(const RigCalibration& start, const TrackSet& tracks,
                           const std::vector<double>& expected_error_px, const AdjustOptions& options,
                           const Execution& execution);

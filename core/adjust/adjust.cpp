@@ -1,0 +1,204 @@
+#include "core/adjust/adjust.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/adjust/bundle.h"
+#include "core/adjust/fit_quality.h"
+#include "core/adjust/posterior.h"
+#include "core/adjust/round_report.h"
+#include "core/base/ensure.h"
+#include "core/rig/gauge.h"
+#include "core/rig/seed_anchors.h"
+
+namespace rigcal {
+namespace {
+
+/// The first solution only has to tell right features from wrong ones.
+constexpr int kFirstIterations = 15;
+constexpr double kFirstTolerance = 1e-4;
+/// A shift of one sigma in any direction costs 0.5, of some 1e5 in all: what is left after 1e-7 is far below a sigma.
+constexpr int kFinalIterations = 30;
+constexpr double kFinalTolerance = 1e-7;
+/// Plain least squares with 11 free parameters a view creeps along its 15-parameter gauge: stop in the end.
+constexpr int kPaperIterations = 100;
+constexpr double kPaperTolerance = 1e-6;  ///< what Ceres itself calls converged
+
+bool IsHeld(const AdjustOptions& options, int view) {
+  return !options.fixed_views.empty() && options.fixed_views[view];
+}
+
+FreeParameters ChooseFree(const RigCalibration& start, const AdjustOptions& options) {
+  FreeParameters free = AllPinholeParameters(start);
+  for (int camera = 0; camera < start.NumCameras(); ++camera) {
+    auto& intrinsics = free.intrinsics[camera];
+    intrinsics[kSkew] = options.paper;
+    for (const int k : {kK1, kK2, kP1, kP2, kK3}) intrinsics[k] = options.refine_distortion && !options.paper;
+    if (options.intrinsics == IntrinsicsMode::kFixed) intrinsics.fill(false);
+  }
+  for (int view = 0; view < start.NumViews(); ++view) {
+    if (!IsHeld(options, view)) continue;
+    free.poses[view] = false;
+    free.intrinsics[start.views[view].camera].fill(false);
+  }
+  return free;
+}
+
+void EnsurePromises(const RigCalibration& start, const std::vector<double>& expected_error_px,
+                    const AdjustOptions& options) {
+  const std::size_t num_views = start.views.size(), num_cameras = start.cameras.size();
+  Ensure(expected_error_px.size() == num_views, "one expected error per view");
+  Ensure(options.fixed_views.empty() || options.fixed_views.size() == num_views, "one fixed flag per view");
+  Ensure(options.camera_priors.empty() || options.camera_priors.size() == num_cameras, "one prior per camera");
+  Ensure(!options.seed_prior || options.seed_prior->seed.views.size() == num_views, "the seed has the same views");
+  const bool own_cameras = options.paper || options.intrinsics == IntrinsicsMode::kPerView;
+  Ensure(!own_cameras || num_cameras == num_views, "intrinsics per view need one camera per view");
+}
+
+/// Every track's point as these cameras see it, where that is nearer to its features than the point it came with.
+TrackSet Retriangulated(const RigCalibration& calibration, const TrackSet& tracks) {
+  const auto error_of = [&calibration](const Track& track, const Eigen::Vector3d& x_in_world) {
+    std::vector<double> errors_px;
+    for (const Observation& o : track.observations) {
+      const auto x_px = Project(calibration.CameraOf(o.view), calibration.views[o.view].cam_from_world * x_in_world);
+      errors_px.push_back(x_px ? (*x_px - o.x_px).norm() : std::numeric_limits<double>::infinity());
+    }
+    return Median(std::move(errors_px));  // one wrong feature shall not decide
+  };
+  TrackSet out = tracks;
+  for (Track& track : out.tracks) {
+    const auto x_in_world = TriangulateTrack(calibration, track);
+    const bool better = x_in_world && !(error_of(track, *x_in_world) > error_of(track, track.x_in_world));
+    if (better || (x_in_world && track.held_out)) track.x_in_world = *x_in_world;
+  }
+  return out;
+}
+
+BundleTerms TermsOf(const RigCalibration& start, const TrackSet& tracks, const AdjustOptions& options) {
+  BundleTerms terms;
+  terms.free = ChooseFree(start, options);
+  if (options.paper) return terms;
+  terms.camera_priors = options.camera_priors;
+  if (!options.seed_prior) return terms;
+  terms.anchor_sigma_px = options.seed_prior->expected_error_px;
+  Ensure(terms.anchor_sigma_px > 0, "the seed's expected error must be positive");
+  terms.anchors = ChooseSeedAnchors(*options.seed_prior, tracks);
+  std::erase_if(terms.anchors, [&start](const SeedAnchor& a) {
+    return !((start.views[a.view].cam_from_world * a.x_in_world).z() > 0);
+  });
+  return terms;
+}
+
+/// A view that nothing determines stays where it is: fewer than 3 features (6 numbers for its 6) and no anchor.
+void HoldUndetermined(const MeasurementSet& measurements, BundleTerms& terms) {
+  constexpr int kMinFeatures = 3;
+  std::vector<int> support(terms.free.poses.size(), 0);
+  for (const Measurement& m : measurements.items) ++support[m.view];
+  for (const SeedAnchor& a : terms.anchors) support[a.view] += kMinFeatures;
+  for (std::size_t v = 0; v < support.size(); ++v) {
+    if (support[v] < kMinFeatures) terms.free.poses[v] = false;
+  }
+}
+
+/// Solves, drops what is grossly wrong, solves again. The loss of the first solution is as wide as the cameras are off:
+/// a narrow one would take right features of a wrong view for outliers.
+Result<int> SolveRobustly(const BundleTerms& terms, const AdjustOptions& options, const Execution& execution,
+                          RigCalibration& calibration, MeasurementSet& measurements) {
+  const double final_scale = options.cauchy_scale_px / options.noise.observation_sigma_px;
+  const double first_scale = std::max(final_scale, Median(ResidualsOf(calibration, measurements).sigmas));
+  const Result<int> first =
+      SolveBundle(terms, {first_scale, kFirstIterations, kFirstTolerance}, execution, calibration, measurements);
+  if (!first) return first;
+  execution.Report(0.5);
+  DropGrossErrors(ResidualsOf(calibration, measurements), final_scale, calibration.NumViews(), measurements);
+  if (measurements.items.empty()) return Fail(ErrorCode::kBadInput, "bundle adjustment: no two features agree");
+  const Result<int> last =
+      SolveBundle(terms, {final_scale, kFinalIterations, kFinalTolerance}, execution, calibration, measurements);
+  if (!last) return last;
+  return *first + *last;
+}
+
+void MoveToFrame(const Similarity3d& new_from_old, RigCalibration& calibration, MeasurementSet& measurements) {
+  calibration = InFrame(calibration, new_from_old);
+  for (Eigen::Vector3d& x_in_world : measurements.x_in_world) x_in_world = new_from_old * x_in_world;
+}
+
+/// The refined points and what is left of their features; held-out tracks as they are, to be triangulated.
+TrackSet TracksAfter(const TrackSet& before, const MeasurementSet& measurements) {
+  std::vector<std::vector<int>> views(before.tracks.size());
+  std::vector<int> point(before.tracks.size(), -1);
+  for (const Measurement& m : measurements.items) {
+    views[measurements.track[m.point]].push_back(m.view);
+    point[measurements.track[m.point]] = m.point;
+  }
+  TrackSet after;
+  for (std::size_t t = 0; t < before.tracks.size(); ++t) {
+    if (!before.tracks[t].held_out && point[t] < 0) continue;
+    Track& track = after.tracks.emplace_back(before.tracks[t]);
+    if (track.held_out) continue;
+    track.x_in_world = measurements.x_in_world[point[t]];
+    std::erase_if(track.observations, [&kept = views[t]](const Observation& o) {
+      return std::find(kept.begin(), kept.end(), o.view) == kept.end();
+    });
+  }
+  return after;
+}
+
+void TriangulateHeldOut(const RigCalibration& calibration, TrackSet& tracks) {
+  for (Track& track : tracks.tracks) {
+    if (!track.held_out) continue;
+    if (const auto x_in_world = TriangulateTrack(calibration, track)) track.x_in_world = *x_in_world;
+  }
+}
+
+}  // namespace
+
+Result<Adjustment> Adjust(const RigCalibration& start, const TrackSet& tracks,
+                          const std::vector<double>& expected_error_px, const AdjustOptions& options,
+                          const Execution& execution) {
+  EnsurePromises(start, expected_error_px, options);
+  if (execution.Stopped()) return Cancelled("bundle adjustment");
+  Adjustment out;
+  out.calibration = start;
+  out.calibration.covariance.reset();
+  MeasurementSet measurements = MeasurementsOf(start, Retriangulated(start, tracks), options.noise);
+  const int num_offered = static_cast<int>(measurements.items.size());
+  const int num_offered_tracks = static_cast<int>(measurements.x_in_world.size());
+  BundleTerms terms = TermsOf(start, tracks, options);
+  HoldUndetermined(measurements, terms);
+  if (num_offered == 0 || RowsOf(terms.free).count == 0) {
+    return Fail(ErrorCode::kBadInput, "bundle adjustment: nothing to adjust with {} features and {} free parameters",
+                num_offered, RowsOf(terms.free).count);
+  }
+
+  const Result<int> iterations =
+      options.paper
+          ? SolveBundle(terms, {0, kPaperIterations, kPaperTolerance}, execution, out.calibration, measurements)
+          : SolveRobustly(terms, options, execution, out.calibration, measurements);
+  if (!iterations) return Fail(iterations.error());
+  const bool gauge_is_free = !terms.free.AnyPoseFixed();
+  if (gauge_is_free && !terms.anchors.empty()) {
+    MoveToFrame(AlignmentToSeed(out.calibration, terms.anchors), out.calibration, measurements);
+  }
+
+  const FitResiduals residuals = ResidualsOf(out.calibration, measurements);
+  const double cauchy_scale = options.paper ? 0 : options.cauchy_scale_px / options.noise.observation_sigma_px;
+  const NoiseEstimate noise = EstimateNoise(
+      residuals.sigmas, cauchy_scale, RowsOf(terms.free).count + 3 * static_cast<int>(measurements.x_in_world.size()));
+  out.tracks = TracksAfter(tracks, measurements);
+  TriangulateHeldOut(out.calibration, out.tracks);
+  out.report.num_iterations = *iterations;
+  out.report.num_dropped_observations = num_offered - static_cast<int>(measurements.items.size());
+  out.report.num_dropped_tracks = num_offered_tracks - static_cast<int>(measurements.x_in_world.size());
+  out.report.observation_sigma_px = noise.sigma * options.noise.observation_sigma_px;
+  ReportFit(residuals, measurements, expected_error_px, options, out.report);
+  if (options.estimate_covariance && !options.paper && (!gauge_is_free || !terms.anchors.empty())) {
+    Posterior posterior = PosteriorAt(out.calibration, measurements, noise, terms, out.tracks);
+    out.calibration.covariance = std::move(posterior.covariance);
+    out.report.weakest_directions_px = std::move(posterior.weakest_directions_px);
+  }
+  execution.Report(1);
+  return out;
+}
+
+}  // namespace rigcal
