@@ -26,8 +26,16 @@ Result<TrackSet> MatchSparse(const ImageSet& images, const RigCalibration& calib
 struct ExpectedErrorEstimate {
   double overall_px = 0;
   std::vector<double> per_view_px;
-  int num_matches = 0;
+  int num_matches = 0;  ///< observations that agree with each other, whatever the cameras say
+  /// Too few matches to tell: all errors are kAssumedErrorPx.
+  bool assumed = false;
 };
+
+/// Taken for Er where the pictures do not tell: level 3, which still finds cameras that are off by twice as much.
+inline constexpr double kAssumedErrorPx = 8.0;
+
+/// Sees only what makes the views disagree: an error that all cameras share, such as a common scale, stays hidden.
+/// Errors: kCancelled.
 Result<ExpectedErrorEstimate> EstimateExpectedError(const ImageSet& images, const RigCalibration& calibration,
                                                     const Execution& execution);
 

@@ -1,0 +1,134 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <opencv2/calib3d.hpp>
+
+#include "core/base/ensure.h"
+#include "core/geometry/triangulate.h"
+#include "core/match/link_tracks.h"
+#include "core/match/match_sparse.h"
+#include "core/match/patch_frame.h"
+
+namespace rigcal {
+namespace {
+
+constexpr int kMaxFeaturesPerView = 2000;
+constexpr int kNeighbours = 4;
+constexpr double kMaxPairAngleRad = 50 * std::numbers::pi / 180;
+/// A pair of pictures with fewer matches that agree on one epipolar geometry may agree by chance.
+constexpr int kMinMatchesPerPair = 16;
+/// Distance from the epipolar line in full-size pixels of a picture of kReferenceSidePx: SIFT positions are good to
+/// half a pixel.
+constexpr double kEpipolarTolerancePx = 1.5;
+/// Fewer observations say nothing about a set, or about one view.
+constexpr int kMinObservations = 60;
+constexpr int kMinObservationsPerView = 15;
+/// Share of the largest residuals taken for mismatches.
+constexpr double kMismatchShare = 0.05;
+/// Er never falls below: SIFT alone is off by half a pixel.
+constexpr double kMinExpectedErrorPx = 1.0;
+/// From the root mean square of what is seen to a conservative mean displacement (measured: tests/match).
+constexpr double kConservative = 1.2;
+
+/// Matches of a pair that agree on one fundamental matrix; none when there are too few. Deterministic: OpenCV seeds its
+/// RANSAC with a constant.
+void KeepConsistent(const SiftFeatures& a, const SiftFeatures& b, std::vector<FeatureMatch>& matches) {
+  std::vector<unsigned char> inlier;
+  if (static_cast<int>(matches.size()) >= kMinMatchesPerPair) {
+    std::vector<cv::Point2d> in_a, in_b;
+    for (const FeatureMatch& m : matches) {
+      in_a.emplace_back(a.x_px[m.a].x(), a.x_px[m.a].y());
+      in_b.emplace_back(b.x_px[m.b].x(), b.x_px[m.b].y());
+    }
+    constexpr double kConfidence = 0.999;
+    constexpr int kMaxTrials = 2000;
+    cv::findFundamentalMat(in_a, in_b, cv::FM_RANSAC, kEpipolarTolerancePx, kConfidence, kMaxTrials, inlier);
+  }
+  std::vector<FeatureMatch> kept;
+  for (std::size_t i = 0; i < inlier.size(); ++i) {
+    if (inlier[i] != 0) kept.push_back(matches[i]);
+  }
+  matches = static_cast<int>(kept.size()) >= kMinMatchesPerPair ? std::move(kept) : std::vector<FeatureMatch>{};
+}
+
+/// One observation's distance from its track's point, blown up by what the point's three unknowns have swallowed: of
+/// 2 n numbers 2 n - 3 are left.
+struct Residual {
+  int view;
+  double px;
+};
+
+std::vector<Residual> ResidualsOf(const std::vector<FeatureChain>& chains, const std::vector<SiftFeatures>& features,
+                                  const std::vector<ViewGeometry>& views) {
+  std::vector<Residual> residuals;
+  for (const FeatureChain& chain : chains) {
+    std::vector<Eigen::Matrix<double, 3, 4>> px_from_world;
+    std::vector<Eigen::Vector2d> x_px;
+    for (const SparseFeature& f : chain) {
+      px_from_world.push_back(views[f.view].px_from_world);
+      x_px.push_back(features[f.view].x_px[f.feature]);
+    }
+    const auto x_in_world = TriangulateInWorld(px_from_world, x_px);
+    if (!x_in_world) continue;
+    const auto n = static_cast<double>(chain.size());
+    for (std::size_t i = 0; i < chain.size(); ++i) {
+      const auto projected = ProjectIntoView(views[chain[i].view], *x_in_world);
+      if (projected)
+        residuals.push_back({chain[i].view, (*projected - x_px[i]).norm() * std::sqrt(2 * n / (2 * n - 3))});
+    }
+  }
+  return residuals;
+}
+
+double TrimmedRms(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const auto count = static_cast<std::size_t>(std::ceil((1 - kMismatchShare) * static_cast<double>(values.size())));
+  double sum = 0;
+  for (std::size_t i = 0; i < count; ++i) sum += values[i] * values[i];
+  return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(count, 1)));
+}
+
+ExpectedErrorEstimate Summarise(const std::vector<Residual>& residuals, int num_views) {
+  ExpectedErrorEstimate estimate;
+  estimate.num_matches = static_cast<int>(residuals.size());
+  if (estimate.num_matches < kMinObservations) {
+    estimate.assumed = true;
+    estimate.overall_px = kAssumedErrorPx;
+    estimate.per_view_px.assign(static_cast<std::size_t>(num_views), kAssumedErrorPx);
+    return estimate;
+  }
+  std::vector<double> all;
+  std::vector<std::vector<double>> per_view(static_cast<std::size_t>(num_views));
+  for (const Residual& r : residuals) {
+    all.push_back(r.px);
+    per_view[r.view].push_back(r.px);
+  }
+  const auto conservative = [](double rms_px) { return std::max(kMinExpectedErrorPx, kConservative * rms_px); };
+  estimate.overall_px = conservative(TrimmedRms(all));
+  for (const auto& of_view : per_view) {
+    const bool enough = static_cast<int>(of_view.size()) >= kMinObservationsPerView;
+    estimate.per_view_px.push_back(enough ? conservative(TrimmedRms(of_view)) : estimate.overall_px);
+  }
+  return estimate;
+}
+
+}  // namespace
+
+Result<ExpectedErrorEstimate> EstimateExpectedError(const ImageSet& images, const RigCalibration& calibration,
+                                                    const Execution& execution) {
+  Ensure(images.NumViews() == calibration.NumViews(), "matching needs one picture per view");
+  const auto features = FindSiftFeatures(images, kMaxFeaturesPerView, execution);
+  if (!features) return Cancelled("estimating the expected error");
+  std::vector<PairMatches> pairs;
+  for (const auto& [a, b] : NeighbourPairs(calibration, kNeighbours, kMaxPairAngleRad)) pairs.push_back({a, b, {}});
+  const bool finished = ParallelFor(execution, static_cast<int>(pairs.size()), [&](int i) {
+    const SiftFeatures &a = (*features)[pairs[i].view_a], &b = (*features)[pairs[i].view_b];
+    pairs[i].matches = MatchFeatures(a, b, std::nullopt);
+    KeepConsistent(a, b, pairs[i].matches);
+  });
+  if (!finished) return Cancelled("estimating the expected error");
+  return Summarise(ResidualsOf(LinkTracks(*features, pairs), *features, ViewGeometries(calibration)),
+                   images.NumViews());
+}
+
+}  // namespace rigcal
