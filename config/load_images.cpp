@@ -160,6 +160,20 @@ Result<std::vector<std::filesystem::path>> MaskFiles(const RigCalibration& calib
 
 }  // namespace
 
+const char* NameOf(MaskKind kind) {
+  switch (kind) {
+    case MaskKind::kFile:
+      return "file";
+    case MaskKind::kDarkBackground:
+      return "dark";
+    case MaskKind::kStaticBackground:
+      return "static";
+    case MaskKind::kNone:
+      break;
+  }
+  return "none";
+}
+
 Result<LoadedImages> LoadImages(const std::filesystem::path& folder, RigCalibration& calibration,
                                 const ImageOptions& options, const Execution& execution) {
   for (const View& view : calibration.views) {

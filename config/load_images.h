@@ -24,6 +24,9 @@ struct ImageOptions {
 /// What a view's mask comes from.
 enum class MaskKind { kNone, kFile, kDarkBackground, kStaticBackground };
 
+/// "none", "file", "dark" or "static": as report.json has it.
+const char* NameOf(MaskKind kind);
+
 struct LoadedImages {
   ImageSet images;                   ///< same order as the calibration's views
   std::vector<double> object_share;  ///< per view, share of the picture that is object; 1 without a mask

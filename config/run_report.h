@@ -60,6 +60,10 @@ struct RunTiming {
   double total_wall_s = 0;
 };
 
+/// The texts of report.json and timing.json. A number that is not finite becomes null.
+std::string ReportText(const RunReport& report);
+std::string TimingText(const RunTiming& timing);
+
 /// Write report.json and timing.json, whole or not at all. Errors: kIo, kDiskFull.
 Result<void> WriteReportJson(const RunReport& report, const std::filesystem::path& path);
 Result<void> WriteTimingJson(const RunTiming& timing, const std::filesystem::path& path);
