@@ -1,0 +1,75 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "core/base/execution.h"
+#include "core/scene/rig_calibration.h"
+#include "sim_fixtures/ray_scene.h"
+#include "sim_fixtures/shape.h"
+
+namespace rigcal::sim {
+
+enum class Motion {
+  kTurntable,  ///< the object turns under fixed lights before fixed cameras
+  kGantry,     ///< one camera moves about a fixed object under fixed lights
+};
+enum class Surroundings {
+  kBlack,     ///< nothing but a dark cloth
+  kBackdrop,  ///< textured walls that stay with the studio, and a textured table top that turns with the object
+};
+
+std::optional<Motion> MotionFromName(std::string_view name);
+std::string_view NameOf(Motion motion);
+std::optional<Surroundings> SurroundingsFromName(std::string_view name);
+std::string_view NameOf(Surroundings surroundings);
+
+/// Everything that decides what is in front of the cameras and where they are.
+struct StudioOptions {
+  Scene scene = Scene::kTextured;
+  Motion motion = Motion::kTurntable;
+  Surroundings surroundings = Surroundings::kBlack;
+  int num_cameras = 1;  ///< turntable only
+  int num_stops = 24;   ///< turntable only
+  int num_views = 20;   ///< gantry only
+  int width_px = 1280;
+  int height_px = 960;
+  std::array<double, 5> distortion{};  ///< k1 k2 p1 p2 k3 of every camera
+  double step_error_deg = 0;           ///< standard deviation of the table's angles about their nominal values
+  std::uint64_t random_seed = 1;       ///< draws the step errors
+  double cell_m = 0.00075;             ///< grid of the surface: three pixels of a one-megapixel picture
+};
+
+/// The limits of StudioOptions: named in messages.
+inline constexpr int kMaxCameras = 16, kMaxViews = 720, kMinSide_px = 64, kMaxSide_px = 8192;
+inline constexpr double kMaxStepError_deg = 5;
+
+/// A lamp far away, made soft by letting its light reach round the edge.
+struct Light {
+  Eigen::Vector3d towards_in_stage;  ///< unit
+  double intensity = 0;
+  double wrap = 0;  ///< 0: Lambert; 1: light reaches the opposite pole
+};
+
+/// The studio with the object in it and the true cameras. World = the table top; stage = the studio.
+struct Studio {
+  StudioOptions options;
+  RigCalibration truth;                   ///< metres; views named camC_stopSS.png or cam0_viewVV.png
+  std::vector<Rigid3d> stage_from_world;  ///< per view; the inverse of the table's turn
+  std::vector<double> table_angle_rad;    ///< per view; 0 for a gantry
+  std::vector<Light> lights;
+  double ambient = 0;
+  Material object, table_top, walls;
+  double table_radius_m = 0;
+  RayScene rays;  ///< kObjectMesh, and with a backdrop kTableMesh
+};
+inline constexpr int kObjectMesh = 0, kTableMesh = 1;
+inline constexpr double kWallRadius_m = 1.6;  ///< the walls are a sphere about the stage's origin
+
+/// Errors: kBadInput for options out of range, kCancelled.
+Result<Studio> MakeStudio(const StudioOptions& options, const Execution& execution);
+
+}  // namespace rigcal::sim
