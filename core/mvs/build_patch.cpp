@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace rigcal {
+namespace rigcal::stereo {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -48,14 +48,14 @@ std::optional<Sighting> Look(const StereoScene& scene, const WindowPlane& plane,
   const Eigen::Vector2f offset_px = hint != nullptr ? hint->offset_px : Eigen::Vector2f::Zero();
   const std::optional<WindowWarp> warp = MakeWarp(scene, plane, view, offset_px);
   if (!warp) return std::nullopt;
-  const cv::Mat1f& image = scene.views[view].image;
+  const cv::Mat4f& texels = scene.views[view].texels;
   if (scene.free_offsets && hint == nullptr) {
-    const std::optional<OffsetMatch> match =
-        SearchOffset(image, scene.options.window_px, *warp, texture, SearchRadiusPx(scene, plane.reference_view, view));
+    const std::optional<OffsetMatch> match = SearchOffset(texels, scene.options.window_px, *warp, texture,
+                                                          SearchRadiusPx(scene, plane.reference_view, view));
     if (!match) return std::nullopt;
     return Sighting{view, match->offset_px, match->ncc};
   }
-  const std::optional<float> ncc = WindowNcc(image, scene.options.window_px, *warp, texture);
+  const std::optional<float> ncc = WindowNcc(texels, scene.options.window_px, *warp, texture);
   if (!ncc) return std::nullopt;
   return Sighting{view, offset_px, *ncc};
 }
@@ -193,4 +193,4 @@ std::optional<SurfacePatch> BuildPatch(const StereoScene& scene, const WindowPla
   return AcceptedPatch(scene, fit);
 }
 
-}  // namespace rigcal
+}  // namespace rigcal::stereo

@@ -5,7 +5,7 @@
 
 #include "core/mvs/fit_plane.h"
 
-namespace rigcal {
+namespace rigcal::stereo {
 
 /// A patch while the surface is being grown.
 struct SurfacePatch {
@@ -28,4 +28,4 @@ std::vector<int> ViewsThatMaySee(const StereoScene& scene, int reference_view, c
 std::optional<SurfacePatch> BuildPatch(const StereoScene& scene, const WindowPlane& start,
                                        const std::vector<Sighting>& hints);
 
-}  // namespace rigcal
+}  // namespace rigcal::stereo

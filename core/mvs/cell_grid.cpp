@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
-namespace rigcal {
+namespace rigcal::stereo {
 
 CellGrid::CellGrid(const StereoScene& scene) : cell_px_(scene.options.cell_px) {
   for (const StereoView& view : scene.views) {
-    columns_.push_back((view.image.cols + cell_px_ - 1) / cell_px_);
-    rows_.push_back((view.image.rows + cell_px_ - 1) / cell_px_);
+    columns_.push_back((view.texels.cols + cell_px_ - 1) / cell_px_);
+    rows_.push_back((view.texels.rows + cell_px_ - 1) / cell_px_);
     cells_.emplace_back(static_cast<std::size_t>(columns_.back()) * static_cast<std::size_t>(rows_.back()),
                         std::uint8_t{0});
   }
@@ -60,7 +60,7 @@ std::optional<Pixel> SightingPixel(const StereoScene& scene, const SurfacePatch&
   std::optional<Pixel> pixel = scene.Project(sighting.view, patch.centre_in_world);
   if (!pixel) return std::nullopt;
   pixel->x_px += sighting.offset_px.cast<double>();
-  const cv::Mat1f& image = scene.views[sighting.view].image;
+  const cv::Mat4f& image = scene.views[sighting.view].texels;
   if (!(pixel->x_px.x() >= 0 && pixel->x_px.y() >= 0 && pixel->x_px.x() <= image.cols - 1 &&
         pixel->x_px.y() <= image.rows - 1)) {
     return std::nullopt;
@@ -76,7 +76,8 @@ CellIndex::CellIndex(const StereoScene& scene, const std::vector<SurfacePatch>& 
     Entry entry;
   };
   for (const StereoView& view : scene.views) {
-    const int columns = (view.image.cols + cell_px_ - 1) / cell_px_, rows = (view.image.rows + cell_px_ - 1) / cell_px_;
+    const int columns = (view.texels.cols + cell_px_ - 1) / cell_px_,
+              rows = (view.texels.rows + cell_px_ - 1) / cell_px_;
     views_.push_back({columns, rows, std::vector<int>(static_cast<std::size_t>(columns * rows) + 1), {}});
   }
   std::vector<Place> places;
@@ -102,4 +103,4 @@ CellIndex::CellIndex(const StereoScene& scene, const std::vector<SurfacePatch>& 
   }
 }
 
-}  // namespace rigcal
+}  // namespace rigcal::stereo

@@ -5,7 +5,7 @@
 
 #include "core/mvs/build_patch.h"
 
-namespace rigcal {
+namespace rigcal::stereo {
 
 /// The cells of all views (zeta x zeta pixels of the level each): which hold a patch, which are being worked on, and
 /// how often each was tried in vain.
@@ -77,4 +77,4 @@ class CellIndex {
   std::vector<Cells> views_;
 };
 
-}  // namespace rigcal
+}  // namespace rigcal::stereo

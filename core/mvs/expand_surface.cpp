@@ -5,7 +5,7 @@
 
 #include "core/mvs/surface.h"
 
-namespace rigcal {
+namespace rigcal::stereo {
 namespace {
 
 /// A cell is tried from at most this many neighbours.
@@ -125,4 +125,4 @@ bool ExpandSurface(const StereoScene& scene, std::vector<int> frontier, const Ex
   return true;
 }
 
-}  // namespace rigcal
+}  // namespace rigcal::stereo

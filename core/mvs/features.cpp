@@ -4,7 +4,7 @@
 #include <opencv2/imgproc.hpp>
 #include <tuple>
 
-namespace rigcal {
+namespace rigcal::stereo {
 namespace {
 
 /// The PMVS paper takes 4 in blocks of 32 pixels at full size; small levels need them as dense in relation to the
@@ -68,7 +68,7 @@ void AddMaxima(const StereoScene& scene, int view, const cv::Mat1f& response, st
 
 std::vector<Feature> FindFeatures(const StereoScene& scene, int view) {
   std::vector<Feature> features;
-  const cv::Mat1f& image = scene.views[view].image;
+  const cv::Mat1f& image = scene.views[view].full_size->gray[scene.options.level];
   AddMaxima(scene, view, HarrisResponse(image), features);
   AddMaxima(scene, view, BlobResponse(image), features);
   const auto key = [](const Feature& f) { return std::pair(f.v_px, f.u_px); };
@@ -79,4 +79,4 @@ std::vector<Feature> FindFeatures(const StereoScene& scene, int view) {
   return features;
 }
 
-}  // namespace rigcal
+}  // namespace rigcal::stereo

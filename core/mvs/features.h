@@ -4,7 +4,7 @@
 
 #include "core/mvs/stereo_scene.h"
 
-namespace rigcal {
+namespace rigcal::stereo {
 
 struct Feature {
   int u_px = 0;
@@ -15,4 +15,4 @@ struct Feature {
 /// block of a regular grid, so that they cover the object (PMVS paper, section 3.1). Sorted by row and column.
 std::vector<Feature> FindFeatures(const StereoScene& scene, int view);
 
-}  // namespace rigcal
+}  // namespace rigcal::stereo

@@ -5,7 +5,7 @@
 
 #include "core/mvs/surface.h"
 
-namespace rigcal {
+namespace rigcal::stereo {
 namespace {
 
 /// Least share of a patch's surrounding patches that continue its surface (PMVS paper, section 3.3: 0.25).
@@ -154,4 +154,4 @@ std::optional<std::vector<SurfacePatch>> FilterPatches(const StereoScene& scene,
   return patches;
 }
 
-}  // namespace rigcal
+}  // namespace rigcal::stereo

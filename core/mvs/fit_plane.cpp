@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace rigcal {
+namespace rigcal::stereo {
 namespace {
 
 /// Variance of one normalised grey value times the number of samples at NCC = 0.9: the scale on which the offsets'
@@ -55,7 +55,7 @@ Linearised LineariseAll(const StereoScene& scene, const WindowTexture& reference
     const std::optional<WindowWarp> warp = MakeWarp(scene, fit.plane, sighting.view, sighting.offset_px);
     std::optional<ViewNormalEquations> view;
     if (warp) {
-      view = LineariseWindow(scene.views[sighting.view].image, scene.options.window_px, *warp, reference,
+      view = LineariseWindow(scene.views[sighting.view].texels, scene.options.window_px, *warp, reference,
                              scene.free_offsets);
     }
     if (!view) {
@@ -128,4 +128,4 @@ bool FitPlane(const StereoScene& scene, const WindowTexture& reference, int max_
   return at.shift_per_w > 0 && std::isfinite(fit.sigma_px);
 }
 
-}  // namespace rigcal
+}  // namespace rigcal::stereo

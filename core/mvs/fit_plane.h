@@ -4,7 +4,7 @@
 
 #include "core/mvs/window.h"
 
-namespace rigcal {
+namespace rigcal::stereo {
 
 /// A view in which a patch is seen.
 struct Sighting {
@@ -28,4 +28,4 @@ struct PlaneFit {
 /// leaves its image keeps ncc = 0. False when nothing is left to fit.
 bool FitPlane(const StereoScene& scene, const WindowTexture& reference, int max_iterations, PlaneFit& fit);
 
-}  // namespace rigcal
+}  // namespace rigcal::stereo

@@ -12,9 +12,9 @@ namespace {
 /// Expanding and filtering in turns: what a filter frees is filled again (the PMVS paper does three).
 constexpr int kTurns = 2;
 
-Patch Published(const SurfacePatch& patch) {
+Patch Published(const stereo::SurfacePatch& patch) {
   Patch out{patch.centre_in_world, patch.normal_in_world, patch.sightings[0].view, {}, patch.ncc};
-  for (const Sighting& sighting : patch.sightings) out.visible_views.push_back(sighting.view);
+  for (const stereo::Sighting& sighting : patch.sightings) out.visible_views.push_back(sighting.view);
   std::sort(out.visible_views.begin(), out.visible_views.end());
   return out;
 }
@@ -23,24 +23,25 @@ Patch Published(const SurfacePatch& patch) {
 
 Result<std::vector<Patch>> Reconstruct(const ImageSet& images, const RigCalibration& calibration,
                                        const StereoOptions& options, const Execution& execution) {
-  const StereoScene scene = MakeStereoScene(images, calibration, options);
-  Surface surface{{}, CellGrid(scene)};
-  if (!SeedSurface(scene, execution, surface)) return Cancelled("the stereo");
+  const stereo::StereoScene scene = stereo::MakeStereoScene(images, calibration, options);
+  stereo::Surface surface{{}, stereo::CellGrid(scene)};
+  if (!stereo::SeedSurface(scene, execution, surface)) return Cancelled("the stereo");
   execution.Report(1.0 / (kTurns + 1));
   for (int turn = 0; turn < kTurns; ++turn) {
     std::vector<int> all(surface.patches.size());
     std::iota(all.begin(), all.end(), 0);
-    if (!ExpandSurface(scene, std::move(all), execution, surface)) return Cancelled("the stereo");
-    std::optional<std::vector<SurfacePatch>> kept = FilterPatches(scene, std::move(surface.patches), execution);
+    if (!stereo::ExpandSurface(scene, std::move(all), execution, surface)) return Cancelled("the stereo");
+    std::optional<std::vector<stereo::SurfacePatch>> kept =
+        stereo::FilterPatches(scene, std::move(surface.patches), execution);
     if (!kept) return Cancelled("the stereo");
     surface.patches = std::move(*kept);
     surface.cells.ClearFilled();
-    for (const SurfacePatch& patch : surface.patches) surface.cells.Fill(scene, patch);
+    for (const stereo::SurfacePatch& patch : surface.patches) surface.cells.Fill(scene, patch);
     execution.Report((turn + 2.0) / (kTurns + 1));
   }
   std::vector<Patch> patches;
   patches.reserve(surface.patches.size());
-  for (const SurfacePatch& patch : surface.patches) patches.push_back(Published(patch));
+  for (const stereo::SurfacePatch& patch : surface.patches) patches.push_back(Published(patch));
   return patches;
 }
 

@@ -9,7 +9,7 @@
 
 namespace rigcal {
 
-inline constexpr int kMaxWindowPx = 15;  ///< largest correlation window
+inline constexpr int kMaxStereoWindowPx = 15;  ///< largest correlation window
 
 struct StereoOptions {
   int level = 2;         ///< pyramid level L that is reconstructed

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace rigcal {
+namespace rigcal::stereo {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -58,7 +58,7 @@ void MatchInView(const StereoScene& scene, const std::vector<Feature>& features,
     const Eigen::Vector2f offset_px = (g - q.head<2>() / q.z()).cast<float>();
     const std::optional<WindowWarp> warp = MakeWarp(scene, *plane, other, offset_px);
     if (!warp) continue;
-    const std::optional<float> ncc = WindowNcc(scene.views[other].image, scene.options.window_px, *warp, texture);
+    const std::optional<float> ncc = WindowNcc(scene.views[other].texels, scene.options.window_px, *warp, texture);
     if (ncc && *ncc >= kMinPairNcc) matches.push_back({*ncc, *plane, {other, offset_px, *ncc}});
   }
 }
@@ -106,4 +106,4 @@ std::optional<SurfacePatch> SeedPatch(const StereoScene& scene, const std::vecto
   return best;
 }
 
-}  // namespace rigcal
+}  // namespace rigcal::stereo

@@ -6,7 +6,7 @@
 #include "core/mvs/build_patch.h"
 #include "core/mvs/features.h"
 
-namespace rigcal {
+namespace rigcal::stereo {
 
 /// The views in which features of `view` are looked for: those that look the same way, nearest first.
 std::vector<int> ViewsToMatch(const StereoScene& scene, int view);
@@ -16,4 +16,4 @@ std::vector<int> ViewsToMatch(const StereoScene& scene, int view);
 std::optional<SurfacePatch> SeedPatch(const StereoScene& scene, const std::vector<std::vector<Feature>>& features,
                                       int view, const Feature& feature, const std::vector<int>& partners);
 
-}  // namespace rigcal
+}  // namespace rigcal::stereo

@@ -1,7 +1,7 @@
 #include "core/mvs/seed.h"
 #include "core/mvs/surface.h"
 
-namespace rigcal {
+namespace rigcal::stereo {
 
 bool SeedSurface(const StereoScene& scene, const Execution& execution, Surface& surface) {
   std::vector<std::vector<Feature>> features(scene.views.size());
@@ -29,4 +29,4 @@ bool SeedSurface(const StereoScene& scene, const Execution& execution, Surface& 
   return true;
 }
 
-}  // namespace rigcal
+}  // namespace rigcal::stereo

@@ -7,11 +7,12 @@
 
 #include "core/mvs/reconstruct.h"
 
-namespace rigcal {
+namespace rigcal::stereo {
 
 /// One view at the reconstructed level. All pixels of this stage are pixels of that level (x_L = x_0 / 2^L).
 struct StereoView {
-  cv::Mat1f image;
+  /// Grey value, its derivatives by x and y (central differences), 0: together, because one position needs all three.
+  cv::Mat4f texels;
   const ViewImages* full_size = nullptr;  ///< for the silhouette; owned by the caller of Reconstruct
   Eigen::Matrix<double, 3, 4> px_from_world;
   Eigen::Matrix3d direction_from_px;  ///< world direction with depth 1 of a homogeneous pixel
@@ -56,4 +57,4 @@ struct StereoScene {
 
 StereoScene MakeStereoScene(const ImageSet& images, const RigCalibration& calibration, const StereoOptions& options);
 
-}  // namespace rigcal
+}  // namespace rigcal::stereo

@@ -5,7 +5,7 @@
 
 #include "core/mvs/cell_grid.h"
 
-namespace rigcal {
+namespace rigcal::stereo {
 
 /// The patches made so far and the cells they fill.
 struct Surface {
@@ -26,4 +26,4 @@ bool ExpandSurface(const StereoScene& scene, std::vector<int> frontier, const Ex
 std::optional<std::vector<SurfacePatch>> FilterPatches(const StereoScene& scene, std::vector<SurfacePatch> patches,
                                                        const Execution& execution);
 
-}  // namespace rigcal
+}  // namespace rigcal::stereo

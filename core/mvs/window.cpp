@@ -4,9 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "core/image/sample.h"
-
-namespace rigcal {
+namespace rigcal::stereo {
 namespace {
 
 /// A window whose grey values vary less than a quarter of an 8-bit step (rms) shows nothing but rounding.
@@ -16,17 +14,38 @@ constexpr float kMaxScale = 2.5f;
 /// A window's plane must not be seen more obliquely than this in its reference (cosine; about 80 degrees).
 constexpr double kMinCosine = 0.17;
 
-bool CanSampleWindow(const cv::Mat1f& image, int window_px, const WindowWarp& warp, int border) {
+bool CanSampleWindow(const cv::Mat4f& texels, int window_px, const WindowWarp& warp) {
   const float h = static_cast<float>(window_px / 2);
+  const float last_x = static_cast<float>(texels.cols - 1), last_y = static_cast<float>(texels.rows - 1);
   for (const float dv : {-h, h}) {
     for (const float du : {-h, h}) {
       const Eigen::Vector3f q = warp.centre + warp.by_u * du + warp.by_v * dv;
       if (!(q.z() > 0)) return false;
-      if (!CanSample(image, q.x() / q.z() + warp.offset_px.x(), q.y() / q.z() + warp.offset_px.y(), border))
-        return false;
+      const Eigen::Vector2f x = q.head<2>() / q.z() + warp.offset_px;
+      if (!(x.x() >= 0 && x.y() >= 0 && x.x() < last_x && x.y() < last_y)) return false;
     }
   }
   return true;
+}
+
+/// Bilinear; the caller has made sure that the four neighbours lie in the image.
+Eigen::Array4f SampleTexel(const cv::Mat4f& texels, float x, float y) {
+  using Texel = Eigen::Map<const Eigen::Array4f>;
+  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
+  const float* p = texels.ptr<float>(y0) + 4 * x0;
+  const float* q = p + texels.step1();
+  const Eigen::Array4f left = Texel(p) + (y - static_cast<float>(y0)) * (Texel(q) - Texel(p));
+  const Eigen::Array4f right = Texel(p + 4) + (y - static_cast<float>(y0)) * (Texel(q + 4) - Texel(p + 4));
+  return left + (x - static_cast<float>(x0)) * (right - left);
+}
+
+float SampleGray(const cv::Mat4f& texels, float x, float y) {
+  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
+  const float a = x - static_cast<float>(x0), b = y - static_cast<float>(y0);
+  const float* p = texels.ptr<float>(y0) + 4 * x0;
+  const float* q = p + texels.step1();
+  const float top = p[0] + a * (p[4] - p[0]);
+  return top + b * (q[0] + a * (q[4] - q[0]) - top);
 }
 
 /// Takes the mean off and scales to norm 1; false when there is nothing to scale.
@@ -66,16 +85,16 @@ Eigen::Vector3d NormalInWorld(const StereoScene& scene, const WindowPlane& plane
 }
 
 std::optional<WindowTexture> ReferenceTexture(const StereoScene& scene, const WindowPlane& plane) {
-  const cv::Mat1f& image = scene.views[plane.reference_view].image;
+  const cv::Mat4f& texels = scene.views[plane.reference_view].texels;
   const int side = scene.options.window_px, h = side / 2;
-  if (plane.u_px < h || plane.v_px < h || plane.u_px + h >= image.cols || plane.v_px + h >= image.rows) {
+  if (plane.u_px < h || plane.v_px < h || plane.u_px + h >= texels.cols || plane.v_px + h >= texels.rows) {
     return std::nullopt;
   }
   WindowTexture texture;
   texture.normalised.resize(side * side);
   for (int row = 0; row < side; ++row) {
-    const float* p = image.ptr<float>(plane.v_px - h + row) + plane.u_px - h;
-    texture.normalised.segment(row * side, side) = Eigen::Map<const Eigen::ArrayXf>(p, side);
+    const float* p = texels.ptr<float>(plane.v_px - h + row) + 4 * (plane.u_px - h);
+    texture.normalised.segment(row * side, side) = Eigen::Map<const Eigen::ArrayXf, 0, Eigen::InnerStride<4>>(p, side);
   }
   if (!Normalise(texture.normalised, texture.norm)) return std::nullopt;
   return texture;
@@ -104,9 +123,9 @@ std::optional<WindowWarp> MakeWarp(const StereoScene& scene, const WindowPlane& 
   return warp;
 }
 
-std::optional<float> WindowNcc(const cv::Mat1f& image, int window_px, const WindowWarp& warp,
+std::optional<float> WindowNcc(const cv::Mat4f& texels, int window_px, const WindowWarp& warp,
                                const WindowTexture& reference) {
-  if (!CanSampleWindow(image, window_px, warp, 0)) return std::nullopt;
+  if (!CanSampleWindow(texels, window_px, warp)) return std::nullopt;
   const int h = window_px / 2;
   WindowSamples values(window_px * window_px);
   int k = 0;
@@ -115,8 +134,8 @@ std::optional<float> WindowNcc(const cv::Mat1f& image, int window_px, const Wind
     for (int du = -h; du <= h; ++du, ++k) {
       const float d = static_cast<float>(du);
       const float s = 1 / (row.z() + warp.by_u.z() * d);
-      values[k] = SampleBilinear(image, (row.x() + warp.by_u.x() * d) * s + warp.offset_px.x(),
-                                 (row.y() + warp.by_u.y() * d) * s + warp.offset_px.y());
+      values[k] = SampleGray(texels, (row.x() + warp.by_u.x() * d) * s + warp.offset_px.x(),
+                             (row.y() + warp.by_u.y() * d) * s + warp.offset_px.y());
     }
   }
   values -= values.mean();
@@ -125,9 +144,9 @@ std::optional<float> WindowNcc(const cv::Mat1f& image, int window_px, const Wind
   return (values * reference.normalised).sum() / norm;
 }
 
-std::optional<ViewNormalEquations> LineariseWindow(const cv::Mat1f& image, int window_px, const WindowWarp& warp,
+std::optional<ViewNormalEquations> LineariseWindow(const cv::Mat4f& texels, int window_px, const WindowWarp& warp,
                                                    const WindowTexture& reference, bool with_offset) {
-  if (!CanSampleWindow(image, window_px, warp, 1)) return std::nullopt;
+  if (!CanSampleWindow(texels, window_px, warp)) return std::nullopt;
   const int h = window_px / 2;
   const int n = window_px * window_px;
   std::array<WindowSamples, 5> by;  // derivative of the grey value by w, dw/du, dw/dv, offset x, offset y
@@ -140,14 +159,14 @@ std::optional<ViewNormalEquations> LineariseWindow(const cv::Mat1f& image, int w
       const float d = static_cast<float>(du);
       const float s = 1 / (row.z() + warp.by_u.z() * d);
       const float x = (row.x() + warp.by_u.x() * d) * s, y = (row.y() + warp.by_u.y() * d) * s;
-      const SampleWithGradient sample = SampleCubic(image, x + warp.offset_px.x(), y + warp.offset_px.y());
-      values[k] = sample.value;
-      by[0][k] = s * (sample.by_x * (warp.epipole.x() - x * warp.epipole.z()) +
-                      sample.by_y * (warp.epipole.y() - y * warp.epipole.z()));
+      const Eigen::Array4f texel = SampleTexel(texels, x + warp.offset_px.x(), y + warp.offset_px.y());
+      values[k] = texel[0];
+      by[3][k] = texel[1];
+      by[4][k] = texel[2];
+      by[0][k] = s * (texel[1] * (warp.epipole.x() - x * warp.epipole.z()) +
+                      texel[2] * (warp.epipole.y() - y * warp.epipole.z()));
       by[1][k] = by[0][k] * d;
       by[2][k] = by[0][k] * static_cast<float>(dv);
-      by[3][k] = sample.by_x;
-      by[4][k] = sample.by_y;
     }
   }
   float norm = 0;
@@ -171,18 +190,18 @@ std::optional<ViewNormalEquations> LineariseWindow(const cv::Mat1f& image, int w
   return equations;
 }
 
-std::optional<OffsetMatch> SearchOffset(const cv::Mat1f& image, int window_px, const WindowWarp& warp,
+std::optional<OffsetMatch> SearchOffset(const cv::Mat4f& texels, int window_px, const WindowWarp& warp,
                                         const WindowTexture& reference, int radius_px) {
   std::optional<OffsetMatch> best;
   WindowWarp moved = warp;
   for (int dy = -radius_px; dy <= radius_px; ++dy) {
     for (int dx = -radius_px; dx <= radius_px; ++dx) {
       moved.offset_px = warp.offset_px + Eigen::Vector2f(static_cast<float>(dx), static_cast<float>(dy));
-      const std::optional<float> ncc = WindowNcc(image, window_px, moved, reference);
+      const std::optional<float> ncc = WindowNcc(texels, window_px, moved, reference);
       if (ncc && (!best || *ncc > best->ncc)) best = OffsetMatch{moved.offset_px, *ncc};
     }
   }
   return best;
 }
 
-}  // namespace rigcal
+}  // namespace rigcal::stereo

@@ -5,7 +5,7 @@
 
 #include "core/mvs/stereo_scene.h"
 
-namespace rigcal {
+namespace rigcal::stereo {
 
 /// A plane as its reference view sees it: inverse depth at the window's centre pixel, and its change per pixel to the
 /// right and down. The window is the block of pixels around (u_px, v_px), so the reference needs no interpolation.
@@ -24,7 +24,7 @@ Eigen::Vector3d CentreInWorld(const StereoScene& scene, const WindowPlane& plane
 /// Unit, towards the reference camera.
 Eigen::Vector3d NormalInWorld(const StereoScene& scene, const WindowPlane& plane);
 
-inline constexpr int kMaxWindowSamples = kMaxWindowPx * kMaxWindowPx;
+inline constexpr int kMaxWindowSamples = kMaxStereoWindowPx * kMaxStereoWindowPx;
 using WindowSamples = Eigen::Array<float, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxWindowSamples, 1>;
 
 /// A window's grey values with mean 0 and norm 1, row by row.
@@ -56,7 +56,7 @@ std::optional<WindowWarp> MakeWarp(const StereoScene& scene, const WindowPlane& 
                                    const Eigen::Vector2f& offset_px);
 
 /// NCC of a view with the reference, bilinear; nothing when the window leaves the image.
-std::optional<float> WindowNcc(const cv::Mat1f& image, int window_px, const WindowWarp& warp,
+std::optional<float> WindowNcc(const cv::Mat4f& texels, int window_px, const WindowWarp& warp,
                                const WindowTexture& reference);
 
 /// One view's share of the least-squares problem min sum_j |f_j - f_r|^2 over normalised textures
@@ -67,9 +67,9 @@ struct ViewNormalEquations {
   Eigen::Matrix<double, 5, 1> gradient;
 };
 
-/// Cubic interpolation with its exact gradient; nothing when the window leaves the image or shows nothing.
+/// Nothing when the window leaves the image or shows nothing.
 /// Without `with_offset` the offset's rows stay zero.
-std::optional<ViewNormalEquations> LineariseWindow(const cv::Mat1f& image, int window_px, const WindowWarp& warp,
+std::optional<ViewNormalEquations> LineariseWindow(const cv::Mat4f& texels, int window_px, const WindowWarp& warp,
                                                    const WindowTexture& reference, bool with_offset);
 
 /// Best whole-pixel offset of the view's window within +-radius of the warp's own offset, by NCC.
@@ -77,7 +77,7 @@ struct OffsetMatch {
   Eigen::Vector2f offset_px;
   float ncc;
 };
-std::optional<OffsetMatch> SearchOffset(const cv::Mat1f& image, int window_px, const WindowWarp& warp,
+std::optional<OffsetMatch> SearchOffset(const cv::Mat4f& texels, int window_px, const WindowWarp& warp,
                                         const WindowTexture& reference, int radius_px);
 
-}  // namespace rigcal
+}  // namespace rigcal::stereo
