@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <unordered_map>
 
 namespace rigcal::sim {
@@ -11,60 +12,74 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-/// Samples of a shape at the corners of a regular grid; blocks that are surely far from the surface hold one value.
+/// body(i) for i in [0, count), many to a task.
+template <typename Body>
+void ForRanges(const Execution& execution, int count, const Body& body) {
+  constexpr int kPerTask = 4096;
+  ParallelFor(execution, (count + kPerTask - 1) / kPerTask, [&](int task) {
+    for (int i = task * kPerTask; i < std::min(count, (task + 1) * kPerTask); ++i) body(i);
+  });
+}
+
+/// Samples of a shape at the corners of a regular grid, in those blocks only that may hold surface.
 class DistanceGrid {
  public:
-  DistanceGrid(const Shape& shape, double cell_m)
-      : origin_(shape.bounds_in_world.min()),
-        cell_m_(cell_m),
-        num_blocks_((shape.bounds_in_world.sizes() / (cell_m * kBlock)).array().ceil().cast<int>() + 1),
-        corners_(kBlock * num_blocks_ + Vector3i::Ones()) {
+  static constexpr int kBlock = 4;  ///< cells along a block's side
+
+  DistanceGrid(const Shape& shape, double cell_m, const Execution& execution)
+      : origin_(shape.bounds_in_world.min()), cell_m_(cell_m) {
+    const Vector3i num_blocks =
+        (shape.bounds_in_world.sizes() / (cell_m * kBlock)).array().ceil().cast<int>().matrix() + Vector3i::Ones();
+    corners_ = kBlock * num_blocks + Vector3i::Ones();
     values_.resize(static_cast<std::size_t>(corners_.x()) * corners_.y() * corners_.z());
-    for (int bz = 0; bz < num_blocks_.z(); ++bz) {
-      for (int by = 0; by < num_blocks_.y(); ++by) {
-        for (int bx = 0; bx < num_blocks_.x(); ++bx) FillBlock(shape, {bx, by, bz});
-      }
-    }
+    FindNearBlocks(shape, num_blocks);
+    Sample(shape, execution);
   }
 
-  [[nodiscard]] const Vector3i& Corners() const { return corners_; }
   [[nodiscard]] std::size_t Index(const Vector3i& corner) const {
     return (static_cast<std::size_t>(corner.z()) * corners_.y() + corner.y()) * corners_.x() + corner.x();
   }
   [[nodiscard]] float At(const Vector3i& corner) const { return values_[Index(corner)]; }
   [[nodiscard]] Vector3d Place(const Vector3d& corner) const { return origin_ + cell_m_ * corner; }
-  /// Blocks that may hold surface: the first corner of each.
+  /// The first corner of each block that may hold surface.
   [[nodiscard]] const std::vector<Vector3i>& NearBlocks() const { return near_blocks_; }
-  static constexpr int kBlock = 4;
 
  private:
-  void FillBlock(const Shape& shape, const Vector3i& block) {
+  void FindNearBlocks(const Shape& shape, const Vector3i& num_blocks) {
     // The functions of shape.cpp grow at most this much faster than a true distance (ellipsoids, relief).
     constexpr double kSteepest = 1.6;
-    const Vector3i first = kBlock * block;
-    const Vector3d middle = Place(first.cast<double>() + Vector3d::Constant(0.5 * kBlock));
-    const double value = shape.distance_m(middle);
-    const double reach = kSteepest * cell_m_ * (0.5 * kBlock + 1) * std::sqrt(3.0);
-    const bool near = std::abs(value) < reach;
-    if (near) near_blocks_.push_back(first);
-    for (int z = 0; z <= kBlock; ++z) {
-      for (int y = 0; y <= kBlock; ++y) {
-        for (int x = 0; x <= kBlock; ++x) {
-          const Vector3i corner = first + Vector3i(x, y, z);
-          float& target = values_[Index(corner)];
-          if (near) {
-            target = static_cast<float>(shape.distance_m(Place(corner.cast<double>())));
-          } else if (target == 0) {
-            target = static_cast<float>(value);
-          }
+    const double reach = kSteepest * cell_m_ * 0.5 * kBlock * std::sqrt(3.0);
+    for (int z = 0; z < num_blocks.z(); ++z) {
+      for (int y = 0; y < num_blocks.y(); ++y) {
+        for (int x = 0; x < num_blocks.x(); ++x) {
+          const Vector3i first = kBlock * Vector3i(x, y, z);
+          const Vector3d middle = Place(first.cast<double>() + Vector3d::Constant(0.5 * kBlock));
+          if (std::abs(shape.distance_m(middle)) < reach) near_blocks_.push_back(first);
         }
       }
     }
   }
 
+  void Sample(const Shape& shape, const Execution& execution) {
+    std::vector<bool> listed(values_.size());
+    std::vector<Vector3i> wanted;
+    for (const Vector3i& first : near_blocks_) {
+      for (int i = 0; i < (kBlock + 1) * (kBlock + 1) * (kBlock + 1); ++i) {
+        const Vector3i corner =
+            first + Vector3i(i % (kBlock + 1), i / (kBlock + 1) % (kBlock + 1), i / ((kBlock + 1) * (kBlock + 1)));
+        if (listed[Index(corner)]) continue;
+        listed[Index(corner)] = true;
+        wanted.push_back(corner);
+      }
+    }
+    ForRanges(execution, static_cast<int>(wanted.size()), [&](int i) {
+      values_[Index(wanted[i])] = static_cast<float>(shape.distance_m(Place(wanted[i].cast<double>())));
+    });
+  }
+
   Vector3d origin_;
   double cell_m_;
-  Vector3i num_blocks_, corners_;
+  Vector3i corners_;
   std::vector<float> values_;
   std::vector<Vector3i> near_blocks_;
 };
@@ -104,26 +119,24 @@ Vector3d Gradient(const Shape& shape, const Vector3d& x, double step_m) {
 
 /// Moves the vertices onto the surface and gives them their normals.
 void Polish(const Shape& shape, double cell_m, TriangleMesh& mesh, const Execution& execution) {
-  constexpr int kPerTask = 4096;
   const int count = static_cast<int>(mesh.vertices_in_world.size());
   mesh.normals_in_world.resize(count, Eigen::Vector3f::UnitZ());
-  ParallelFor(execution, (count + kPerTask - 1) / kPerTask, [&](int task) {
-    for (int i = task * kPerTask; i < std::min(count, (task + 1) * kPerTask); ++i) {
-      Vector3d x = mesh.vertices_in_world[i].cast<double>();
-      const Vector3d gradient = Gradient(shape, x, 0.5 * cell_m);
-      if (!(gradient.squaredNorm() > 0.01)) continue;  // the medial axis of a part as thin as a cell
-      const Vector3d move = -shape.distance_m(x) / gradient.squaredNorm() * gradient;
-      x += move * std::min(1.0, 0.5 * cell_m / std::max(move.norm(), 1e-12));
-      mesh.vertices_in_world[i] = x.cast<float>();
-      mesh.normals_in_world[i] = gradient.normalized().cast<float>();
-    }
+  ForRanges(execution, count, [&](int i) {
+    Vector3d x = mesh.vertices_in_world[i].cast<double>();
+    const Vector3d gradient = Gradient(shape, x, 0.5 * cell_m);
+    if (!(gradient.squaredNorm() > 0.01)) return;  // the medial axis of a part as thin as a cell
+    const Vector3d move = -shape.distance_m(x) / gradient.squaredNorm() * gradient;
+    x += move * std::min(1.0, 0.5 * cell_m / std::max(move.norm(), 1e-12));
+    mesh.vertices_in_world[i] = x.cast<float>();
+    mesh.normals_in_world[i] = gradient.normalized().cast<float>();
   });
 }
 
 }  // namespace
 
 TriangleMesh MeshOf(const Shape& shape, double cell_m, const Execution& execution) {
-  const DistanceGrid grid(shape, cell_m);
+  const DistanceGrid grid(shape, cell_m, execution);
+  if (execution.Stopped()) return {};
   TriangleMesh mesh;
   std::unordered_map<std::size_t, std::uint32_t> vertex_of_cell;
   const auto for_near_cells = [&](const auto& body) {

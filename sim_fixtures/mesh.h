@@ -18,7 +18,8 @@ struct TriangleMesh {
 };
 
 /// The surface of a shape: surface nets on a grid of `cell_m`, then every vertex moved onto the surface along its
-/// gradient, which also gives the normals. Parts thinner than two cells may be lost.
+/// gradient, which also gives the normals. Parts thinner than two cells may
+/// be lost. Empty when the execution was stopped.
 TriangleMesh MeshOf(const Shape& shape, double cell_m, const Execution& execution);
 
 /// An upright disc from z = -thickness to z = 0 about the axis: the table top.

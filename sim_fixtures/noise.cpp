@@ -78,9 +78,10 @@ void EvaluateNoise(const FractalNoise& noise, const PlacesInWorld& places, std::
   const std::size_t count = values.size();
   Ensure(places.x_m.size() == count && places.y_m.size() == count && places.z_m.size() == count,
          "as many coordinates as values");
-  float power = 0;
-  for (int octave = 0; octave < noise.num_octaves; ++octave)
-    power += std::pow(noise.gain, 2.0f * static_cast<float>(octave));
+  float power = 0, octave_power = 1;
+  for (int octave = 0; octave < noise.num_octaves; ++octave, octave_power *= noise.gain * noise.gain) {
+    power += octave_power;
+  }
   const float first = 1.0f / (kOctaveSigma * std::sqrt(power));
   constexpr std::size_t kBlock = 256;
   float x[kBlock], y[kBlock], z[kBlock];

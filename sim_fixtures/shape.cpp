@@ -123,7 +123,7 @@ std::function<double(const Vector3d&)> Carved(double (*body)(const Vector3d&), F
   return [=](const Vector3d& x) {
     const double distance = body(x);
     // Far from the surface the relief makes no difference.
-    if (std::abs(distance) > 8 * amplitude_m + 2e-3) return distance;
+    if (std::abs(distance) > 6 * amplitude_m + 1e-3) return distance;
     return distance + amplitude_m * static_cast<double>(NoiseAt(relief, static_cast<float>(x.x()),
                                                                 static_cast<float>(x.y()), static_cast<float>(x.z())));
   };
