@@ -5,14 +5,12 @@
 #include <cmath>
 #include <map>
 #include <regex>
-#include <set>
 
 namespace rigcal {
 namespace {
 
 constexpr const char* kOnlyCamera = "camera";  // id of the physical camera when neither file nor option names one
 constexpr std::size_t kMaxNameLength = 1024;   // std::regex recurses once per character
-constexpr double kReportedSpreadPx = 1e-9;     // smaller differences are the rounding of a text file
 
 Result<std::vector<std::string>> PhysicalIds(const std::vector<CameraRecord>& records, const std::string& pattern) {
   std::vector<std::string> ids;
@@ -96,15 +94,16 @@ Result<Camera> SharedCamera(const std::string& id, const std::vector<const Camer
   const IntrinsicVector median = MedianIntrinsics(records);
   camera.SetIntrinsics(median);
   double spread_px = 0;
-  bool differing_distortion = false;
+  bool differ = false;
   for (const CameraRecord* record : records) {
     const IntrinsicVector difference = (record->camera.Intrinsics() - median).cwiseAbs();
     spread_px = std::max(spread_px, difference.segment<4>(kFx).maxCoeff());
-    differing_distortion = differing_distortion || difference.segment<5>(kK1).maxCoeff() > 0;
+    differ = differ || difference.maxCoeff() > 0;
   }
-  if (spread_px > kReportedSpreadPx || differing_distortion)
+  loaded.intrinsics_differ = loaded.intrinsics_differ || differ;
+  if (differ)
     loaded.notes.push_back(
-        fmt::format("camera '{}': its {} views come with differing intrinsics (up to {:.3f} px from their median); "
+        fmt::format("camera '{}': its {} views come with differing intrinsics (up to {:.3g} px from their median); "
                     "starting from the median of each parameter",
                     id, records.size(), spread_px));
   loaded.max_intrinsics_spread_px = std::max(loaded.max_intrinsics_spread_px, spread_px);

@@ -28,6 +28,7 @@ struct LoadedCameras {
   RigCalibration calibration;
   bool sizes_known = false;  ///< false: the file does not tell width and height (Middlebury); LoadImages fills them in
   std::vector<std::string> notes;  ///< sentences for the report: what was changed while loading
+  bool intrinsics_differ = false;  ///< views that share a Camera came with differing intrinsics
   /// Largest difference of any view's fx, fy, cx or cy from its camera's median (pixels); 0 with kPerView.
   double max_intrinsics_spread_px = 0;
   std::vector<InputFile> files;
@@ -37,5 +38,9 @@ struct LoadedCameras {
 /// calibration.json, told apart by their content (docs/formats.md). Views keep the order of the file. Errors:
 /// kNotFound, kIo, kBadInput, kUnsupported.
 Result<LoadedCameras> LoadCameras(const std::filesystem::path& path, const CameraFileOptions& options);
+
+/// The same without changing any number: views share a Camera only where the file gives them the same one. Skew and any
+/// number of views are allowed. For comparing, exporting and stereo.
+Result<LoadedCameras> LoadCamerasUnchanged(const std::filesystem::path& path, const std::string& camera_from_name);
 
 }  // namespace rigcal

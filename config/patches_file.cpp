@@ -5,10 +5,10 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <opencv2/core.hpp>
 
 #include "config/atomic_file.h"
 #include "config/text_fields.h"
+#include "core/base/ensure.h"
 
 namespace rigcal {
 namespace {
@@ -47,6 +47,16 @@ PatchVertex VertexAt(const char* record) {
   return vertex;
 }
 
+PatchVertex VertexOf(const Patch& patch, const cv::Vec3b& bgr) {
+  PatchVertex vertex;
+  vertex.centre_in_world = patch.centre_in_world.cast<float>();
+  vertex.normal_in_world = patch.normal_in_world.cast<float>();
+  vertex.blue = bgr[0], vertex.green = bgr[1], vertex.red = bgr[2];
+  vertex.num_views = static_cast<std::uint8_t>(std::min(static_cast<int>(patch.visible_views.size()), kMostViews));
+  vertex.ncc = patch.ncc;
+  return vertex;
+}
+
 /// BGR at a full-size pixel position: the nearest pixel of the picture that is kept, or the grey value.
 cv::Vec3b ColourAt(const ViewImages& view, const Eigen::Vector2d& x_px) {
   const bool has_colour = !view.colour.empty();
@@ -60,38 +70,29 @@ cv::Vec3b ColourAt(const ViewImages& view, const Eigen::Vector2d& x_px) {
 
 }  // namespace
 
-std::vector<PatchVertex> PatchVertices(const std::vector<Patch>& patches, const ImageSet& images,
-                                       const RigCalibration& calibration) {
-  std::vector<PatchVertex> vertices;
-  vertices.reserve(patches.size());
-  for (const Patch& patch : patches) {
-    PatchVertex vertex;
-    vertex.centre_in_world = patch.centre_in_world.cast<float>();
-    vertex.normal_in_world = patch.normal_in_world.cast<float>();
-    const int v = patch.reference_view;
+std::vector<cv::Vec3b> PatchColours(const std::vector<Patch>& patches, const ImageSet& images,
+                                    const RigCalibration& calibration) {
+  std::vector<cv::Vec3b> colours(patches.size(), cv::Vec3b::all(0));
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    const int v = patches[i].reference_view;
     const auto x_px =
-        Project(Undistorted(calibration.CameraOf(v)), calibration.views[v].cam_from_world * patch.centre_in_world);
-    if (x_px) {
-      const cv::Vec3b bgr = ColourAt(images.views[v], *x_px);
-      vertex.blue = bgr[0], vertex.green = bgr[1], vertex.red = bgr[2];
-    }
-    const int num_views = static_cast<int>(patch.visible_views.size());
-    vertex.num_views = static_cast<std::uint8_t>(std::min(num_views, kMostViews));
-    vertex.ncc = patch.ncc;
-    vertices.push_back(vertex);
+        Project(Undistorted(calibration.CameraOf(v)), calibration.views[v].cam_from_world * patches[i].centre_in_world);
+    if (x_px) colours[i] = ColourAt(images.views[v], *x_px);
   }
-  return vertices;
+  return colours;
 }
 
-std::string PatchesPly(const std::vector<PatchVertex>& vertices) {
-  std::string bytes = fmt::format("{}{}\n{}", kBeforeCount, vertices.size(), kProperties);
-  bytes.reserve(bytes.size() + vertices.size() * kVertexSize);
-  for (const PatchVertex& vertex : vertices) AppendVertex(vertex, bytes);
+std::string PatchesPly(const std::vector<Patch>& patches, const std::vector<cv::Vec3b>& colours_bgr) {
+  Ensure(patches.size() == colours_bgr.size(), "each patch has a colour");
+  std::string bytes = fmt::format("{}{}\n{}", kBeforeCount, patches.size(), kProperties);
+  bytes.reserve(bytes.size() + patches.size() * kVertexSize);
+  for (std::size_t i = 0; i < patches.size(); ++i) AppendVertex(VertexOf(patches[i], colours_bgr[i]), bytes);
   return bytes;
 }
 
-Result<void> WritePatches(const std::filesystem::path& path, const std::vector<PatchVertex>& vertices) {
-  return WriteFileAtomically(path, PatchesPly(vertices));
+Result<void> WritePatches(const std::filesystem::path& path, const std::vector<Patch>& patches,
+                          const std::vector<cv::Vec3b>& colours_bgr) {
+  return WriteFileAtomically(path, PatchesPly(patches, colours_bgr));
 }
 
 Result<std::vector<PatchVertex>> ParsePatches(std::string_view bytes, const std::string& file) {

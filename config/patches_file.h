@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <opencv2/core.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,15 +23,17 @@ struct PatchVertex {
   float ncc = 0;
 };
 
-/// Patches with the colour of their centre in the reference view; grey where the images keep no colours.
-std::vector<PatchVertex> PatchVertices(const std::vector<Patch>& patches, const ImageSet& images,
-                                       const RigCalibration& calibration);
+/// Colour (BGR) of each patch's centre in its reference view; grey where the images keep no colours.
+std::vector<cv::Vec3b> PatchColours(const std::vector<Patch>& patches, const ImageSet& images,
+                                    const RigCalibration& calibration);
 
 /// The bytes of patches.ply: binary little-endian, x y z nx ny nz (float) red green blue views (uchar) ncc (float).
-std::string PatchesPly(const std::vector<PatchVertex>& vertices);
+/// `colours_bgr` has one entry for each patch.
+std::string PatchesPly(const std::vector<Patch>& patches, const std::vector<cv::Vec3b>& colours_bgr);
 
 /// Writes PatchesPly atomically. Errors: kIo, kDiskFull.
-Result<void> WritePatches(const std::filesystem::path& path, const std::vector<PatchVertex>& vertices);
+Result<void> WritePatches(const std::filesystem::path& path, const std::vector<Patch>& patches,
+                          const std::vector<cv::Vec3b>& colours_bgr);
 
 /// The vertices of a file with exactly the properties that PatchesPly writes. Errors: kBadInput.
 Result<std::vector<PatchVertex>> ParsePatches(std::string_view bytes, const std::string& file);
