@@ -28,7 +28,7 @@ constexpr double kMismatchShare = 0.05;
 /// Er never falls below: SIFT alone is off by half a pixel.
 constexpr double kMinExpectedErrorPx = 1.0;
 /// From the root mean square of what is seen to a conservative mean displacement (measured: tests/match).
-constexpr double kConservative = 1.2;
+constexpr double kConservative = 1.4;
 
 /// Matches of a pair that agree on one fundamental matrix; none when there are too few. Deterministic: OpenCV seeds its
 /// RANSAC with a constant.

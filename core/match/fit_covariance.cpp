@@ -27,11 +27,10 @@ std::array<float, kMaxWindowPx> CorrelationAlong(double px_per_step, int side, i
 }
 
 /// C * x with the separable correlation of a view in which the steps are as long as the columns of px_from_step.
-WindowValues Correlate(const WindowShape& shape, const WindowValues& x) {
-  const int side = shape.side;
+WindowValues Correlate(const Eigen::Matrix2d& px_from_step, int side, const WindowValues& x) {
   int reach_u = 0, reach_v = 0;
-  const auto along_u = CorrelationAlong(shape.px_from_step.col(0).norm(), side, reach_u);
-  const auto along_v = CorrelationAlong(shape.px_from_step.col(1).norm(), side, reach_v);
+  const auto along_u = CorrelationAlong(px_from_step.col(0).norm(), side, reach_u);
+  const auto along_v = CorrelationAlong(px_from_step.col(1).norm(), side, reach_v);
   WindowValues rows, result{};
   for (int j = 0; j < side; ++j) {
     for (int i = 0; i < side; ++i) {
@@ -56,31 +55,33 @@ struct NoiseEffect {
   double absorbed;              ///< trace of C over what the fit took out: mean, contrast and the two shifts
 };
 
-NoiseEffect EffectOf(const WindowShape& shape, const WindowTemplate& t, const Eigen::Matrix2d& information_inverse) {
-  const WindowValues cu = Correlate(shape, t.by_u), cv = Correlate(shape, t.by_v), cn = Correlate(shape, t.values);
+NoiseEffect EffectOf(const Eigen::Matrix2d& px_from_step, const WindowTemplate& t,
+                     const Eigen::Matrix2d& information_inverse) {
+  const WindowShape& shape = t.shape;
+  const auto correlate = [&](const WindowValues& x) { return Correlate(px_from_step, shape.side, x); };
   WindowValues ones{};
   std::fill_n(ones.begin(), shape.NumSamples(), 1.0f);
-  const WindowValues c1 = Correlate(shape, ones);
-  const double uv = Dot(t.shape, t.by_u, cv);
+  const WindowValues c_by_u = correlate(t.by_u), c_by_v = correlate(t.by_v);
+  const double uv = Dot(shape, t.by_u, c_by_v);
   NoiseEffect effect;
-  effect.on_gradient << Dot(t.shape, t.by_u, cu), uv, uv, Dot(t.shape, t.by_v, cv);
-  effect.absorbed = Dot(t.shape, ones, c1) / static_cast<float>(shape.NumSamples()) + Dot(t.shape, t.values, cn) +
-                    (information_inverse * effect.on_gradient).trace();
+  effect.on_gradient << Dot(shape, t.by_u, c_by_u), uv, uv, Dot(shape, t.by_v, c_by_v);
+  effect.absorbed = Dot(shape, ones, correlate(ones)) / static_cast<float>(shape.NumSamples()) +
+                    Dot(shape, t.values, correlate(t.values)) + (information_inverse * effect.on_gradient).trace();
   return effect;
 }
 
 }  // namespace
 
-Eigen::Matrix2d FitCovariance(const WindowShape& shape, const WindowTemplate& reference, const WindowFit& fit) {
-  /// Along a perfect edge nothing is known; a tenth of a thousandth of the other direction's information stands for it.
+Eigen::Matrix2d FitCovariance(const WindowTemplate& sought, const WindowFit& fit) {
+  /// Along a perfect edge nothing is known; a ten-thousandth of the information across stands for it.
   constexpr double kMinInformationShare = 1e-4;
+  const WindowShape& shape = sought.shape;
   const Eigen::Matrix2d information =
-      reference.information + kMinInformationShare * reference.information.trace() * Eigen::Matrix2d::Identity();
+      sought.information + kMinInformationShare * sought.information.trace() * Eigen::Matrix2d::Identity();
   const Eigen::Matrix2d inverse = information.inverse();
-  const NoiseEffect here = EffectOf(shape, reference, inverse);
-  const NoiseEffect there = EffectOf(reference.shape, reference, inverse);
-  const int n = shape.NumSamples();
-  const double freedom = std::max(1.0, n - (here.absorbed + there.absorbed) / 2);
+  const NoiseEffect here = EffectOf(shape.px_from_step, sought, inverse);
+  const NoiseEffect there = EffectOf(sought.reference_px_from_step, sought, inverse);
+  const double freedom = std::max(1.0, shape.NumSamples() - (here.absorbed + there.absorbed) / 2);
   const double variance = Dot(shape, fit.residual, fit.residual) / freedom;
   const Eigen::Matrix2d px_from_gradient = shape.px_from_step * inverse;
   return variance / 2 * px_from_gradient * (here.on_gradient + there.on_gradient) * px_from_gradient.transpose();

@@ -37,21 +37,23 @@ struct MatchContext {
 };
 
 /// One feature at one level; false when it is lost.
-bool MoveAtLevel(const MatchContext& context, const PatchFrame& frame, const WindowTemplate& reference, int level,
+bool MoveAtLevel(const MatchContext& context, const PatchFrame& frame, const ReferenceTexture& reference, int level,
                  MovingFeature& feature) {
   const cv::Mat1f& image = context.images.views[feature.view].gray[level];
   const double scale = std::ldexp(1.0, level);
   WindowShape shape;
   if (!ShapeInView(frame, context.views[feature.view], level, context.options.window_px, shape)) return false;
+  const auto sought = MakeTemplate(reference, shape);
+  if (!sought) return false;
   const double radius_px = context.options.expected_error_px[feature.view] / scale;
   const Eigen::Vector2d from_px = feature.x_px / scale;
   const bool far = level == context.options.level && radius_px > kConvergenceRadiusPx;
-  const auto fit = far ? SearchWindow(image, shape, reference, from_px, radius_px)
-                       : FitWindow(image, shape, reference, from_px, std::max(radius_px, kConvergenceRadiusPx));
+  const auto fit = far ? SearchWindow(image, *sought, from_px, radius_px)
+                       : FitWindow(image, *sought, from_px, std::max(radius_px, kConvergenceRadiusPx));
   if (!fit) return false;
   feature.x_px = scale * fit->centre_px;
   feature.ncc = fit->ncc;
-  if (level == 0) feature.fit_covariance_px2 = FitCovariance(shape, reference, *fit);
+  if (level == 0) feature.fit_covariance_px2 = FitCovariance(*sought, *fit);
   return true;
 }
 
@@ -115,8 +117,10 @@ std::optional<Track> MatchPatch(const MatchContext& context, const Patch& patch)
   const Eigen::Vector2d reference_px = *ProjectIntoView(reference_view, patch.centre_in_world);
   for (int level = context.options.level; level >= 0; --level) {
     WindowShape shape;
-    if (!ShapeInView(*frame, reference_view, level, context.options.window_px, shape)) return std::nullopt;
-    const auto reference = MakeTemplate(reference_images[level], shape, reference_px / std::ldexp(1.0, level));
+    if (!ShapeInView(*frame, reference_view, level, context.options.window_px + 2 * kTextureMargin, shape)) {
+      return std::nullopt;
+    }
+    const auto reference = SampleReference(reference_images[level], shape, reference_px / std::ldexp(1.0, level));
     if (!reference) return std::nullopt;
     for (MovingFeature& feature : features) {
       feature.alive = feature.alive && MoveAtLevel(context, *frame, *reference, level, feature);

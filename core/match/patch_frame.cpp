@@ -69,7 +69,7 @@ std::optional<PatchFrame> FrameOf(const Patch& patch, const std::vector<ViewGeom
 }
 
 bool ShapeInView(const PatchFrame& frame, const ViewGeometry& view, int level, int side, WindowShape& shape) {
-  Ensure(side % 2 == 1 && side <= kMaxWindowPx, "a matching window has an odd side of at most 15 samples");
+  Ensure(side % 2 == 1 && side <= kMaxWindowPx, "a matching window has an odd side of at most 19 samples");
   const double scale = std::ldexp(1.0, level);
   const Eigen::Vector3d centre = view.px_from_world * frame.centre_in_world.homogeneous();
   const Eigen::Vector3d along_u = view.px_from_world.leftCols<3>() * (scale * frame.step_along_u);

@@ -3,28 +3,14 @@
 #include <Eigen/Core>
 #include <optional>
 
-#include "core/match/window_texture.h"
+#include "core/match/reference_texture.h"
 
 namespace rigcal {
 
-/// The texture q_j0 around the reference feature at one level, ready to be found again in other views.
-/// The fit is inverse-compositional: what is differentiated is the template, once, not the picture that is searched.
-struct WindowTemplate {
-  WindowShape shape;
-  WindowValues values;  ///< zero mean, unit norm
-  WindowValues by_u;    ///< d values / d (shift of the template along the patch's axes, in sample steps)
-  WindowValues by_v;
-  Eigen::Matrix2d information;  ///< J^T J of by_u, by_v
-};
-
-/// Nothing where the window leaves the picture or has no contrast.
-std::optional<WindowTemplate> MakeTemplate(const cv::Mat1f& image, const WindowShape& shape,
-                                           const Eigen::Vector2d& centre_px);
-
 /// NCC of the texture at centre_px with the template; `values` receives the normalised texture. Nothing where the
 /// window leaves the picture or has no contrast.
-std::optional<float> NccAt(const cv::Mat1f& image, const WindowShape& shape, const WindowTemplate& reference,
-                           const Eigen::Vector2d& centre_px, WindowValues& values);
+std::optional<float> NccAt(const cv::Mat1f& image, const WindowTemplate& sought, const Eigen::Vector2d& centre_px,
+                           WindowValues& values);
 
 /// Where the template was found in another view.
 struct WindowFit {
@@ -33,21 +19,21 @@ struct WindowFit {
   WindowValues residual;  ///< normalised texture found minus template
 };
 
-/// Moves centre_px, starting from start_px, to where the texture below `shape` agrees best with the template
+/// Moves centre_px, starting from start_px, to where the texture below the window agrees best with the template
 /// (argmax NCC of paper section 3.2), by Gauss-Newton on the difference of the normalised textures. Nothing where the
 /// window leaves the picture, strays farther than max_move_px from the start, loses NCC or does not settle.
-std::optional<WindowFit> FitWindow(const cv::Mat1f& image, const WindowShape& shape, const WindowTemplate& reference,
+std::optional<WindowFit> FitWindow(const cv::Mat1f& image, const WindowTemplate& sought,
                                    const Eigen::Vector2d& start_px, double max_move_px);
 
 /// The same from a start that may be off by radius_px: looks at every pixel of that neighbourhood first. Nothing also
 /// where two places explain the template about equally well.
-std::optional<WindowFit> SearchWindow(const cv::Mat1f& image, const WindowShape& shape, const WindowTemplate& reference,
+std::optional<WindowFit> SearchWindow(const cv::Mat1f& image, const WindowTemplate& sought,
                                       const Eigen::Vector2d& start_px, double radius_px);
 
 /// Covariance (px^2 of the level at work) of fit.centre_px relative to the template's place:
 /// H^-1 (J^T C J) s^2 H^-1, with J the template's derivatives, H = J^T J, s^2 the variance of the residual and C the
 /// correlation of its entries, which come from overlapping pixels. H alone would call the result about two times too
 /// good. Noise of both pictures is in it; each has about half.
-Eigen::Matrix2d FitCovariance(const WindowShape& shape, const WindowTemplate& reference, const WindowFit& fit);
+Eigen::Matrix2d FitCovariance(const WindowTemplate& sought, const WindowFit& fit);
 
 }  // namespace rigcal

@@ -56,7 +56,7 @@ std::vector<Peak> PeaksOf(const NccGrid& grid) {
 
 }  // namespace
 
-std::optional<WindowFit> SearchWindow(const cv::Mat1f& image, const WindowShape& shape, const WindowTemplate& reference,
+std::optional<WindowFit> SearchWindow(const cv::Mat1f& image, const WindowTemplate& sought,
                                       const Eigen::Vector2d& start_px, double radius_px) {
   const int radius = static_cast<int>(std::ceil(radius_px));
   NccGrid grid{radius, {}};
@@ -65,15 +65,14 @@ std::optional<WindowFit> SearchWindow(const cv::Mat1f& image, const WindowShape&
   for (int y = -radius; y <= radius; ++y) {
     for (int x = -radius; x <= radius; ++x) {
       const bool inside = std::hypot(x, y) <= radius_px + 0.5;
-      grid.ncc.push_back(inside ? NccAt(image, shape, reference, start_px + Eigen::Vector2d(x, y), values).value_or(-1)
-                                : -1);
+      grid.ncc.push_back(inside ? NccAt(image, sought, start_px + Eigen::Vector2d(x, y), values).value_or(-1) : -1);
     }
   }
   std::optional<WindowFit> best;
   float best_grid_ncc = 0;
   for (const Peak& peak : PeaksOf(grid)) {
     if (best && peak.ncc < best_grid_ncc - kGridNccLoss) break;
-    const auto fit = FitWindow(image, shape, reference, start_px + Eigen::Vector2d(peak.x, peak.y), kMaxMoveFromGridPx);
+    const auto fit = FitWindow(image, sought, start_px + Eigen::Vector2d(peak.x, peak.y), kMaxMoveFromGridPx);
     if (!fit) continue;
     if (!best) {
       best = fit;

@@ -9,9 +9,9 @@
 
 namespace rigcal {
 
-/// A window never has more samples than this (15 x 15), so that all of them live on the stack.
-inline constexpr int kMaxWindowPx = 15;
-inline constexpr int kMaxWindowSamples = 232;  ///< 15 x 15 rounded up to whole vectors of eight floats
+/// A window, its margin included, never has more samples a side, so that all of them live on the stack.
+inline constexpr int kMaxWindowPx = 19;
+inline constexpr int kMaxWindowSamples = 368;  ///< 19 x 19 rounded up to whole vectors of eight floats
 inline constexpr int kSampleLanes = 8;
 
 /// One value per sample of a window, row by row; the entries from the window's last sample up to the next multiple of
