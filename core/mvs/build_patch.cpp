@@ -25,8 +25,12 @@ constexpr float kMinNccOfSearched = 0.7f;
 /// Least largest angle between the rays of a patch's views: below it a pixel of error is ten pixels of depth.
 constexpr double kMinParallaxRad = 5 * kDegree;
 constexpr double kMaxSigmaPx = 0.5;  ///< least precision of a patch along its ray, pixels of the level
-constexpr int kFirstIterations = 8;
-constexpr int kFinalIterations = 4;
+constexpr int kFirstIterations = 6;
+constexpr int kFinalIterations = 3;
+/// The first fit ends where the second begins to converge quadratically, the second at a tenth of the precision that
+/// textures give (0.1 px).
+constexpr double kFirstConvergedPx = 0.15;
+constexpr double kFinalConvergedPx = 0.03;
 
 using Sightings = std::vector<Sighting>;
 
@@ -177,7 +181,7 @@ std::optional<SurfacePatch> BuildPatch(const StereoScene& scene, const WindowPla
     if (fit.others.size() >= std::max(kMaxViewsOfFirstFit, min_others)) break;
   }
   if (fit.others.size() < min_others) return std::nullopt;
-  if (!FitPlane(scene, *texture, kFirstIterations, fit)) return std::nullopt;
+  if (!FitPlane(scene, *texture, kFirstIterations, kFirstConvergedPx, fit)) return std::nullopt;
   DropBelow(kMinNccToStay, fit.others);
   if (fit.others.empty()) return std::nullopt;
   AddFurtherViews(scene, *texture, fit);
@@ -187,7 +191,7 @@ std::optional<SurfacePatch> BuildPatch(const StereoScene& scene, const WindowPla
     beyond.assign(fit.others.begin() + kMaxViewsOfFinalFit, fit.others.end());
     fit.others.resize(kMaxViewsOfFinalFit);
   }
-  if (!FitPlane(scene, *texture, kFinalIterations, fit)) return std::nullopt;
+  if (!FitPlane(scene, *texture, kFinalIterations, kFinalConvergedPx, fit)) return std::nullopt;
   fit.others.insert(fit.others.end(), beyond.begin(), beyond.end());
   DropBelow(kMinNccToStay, fit.others);
   return AcceptedPatch(scene, fit);

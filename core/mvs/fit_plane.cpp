@@ -11,8 +11,8 @@ namespace {
 /// Variance of one normalised grey value times the number of samples at NCC = 0.9: the scale on which the offsets'
 /// prior is weighed against the textures.
 constexpr double kResidualEnergy = 0.2;
-/// Steps below this many pixels in every view end the iteration: a tenth of the best precision in use (0.05 px).
-constexpr double kConvergedPx = 0.01;
+/// Least error of a camera and least length of a step that are divided by.
+constexpr double kTinyPx = 0.01;
 /// No step moves the window's centre further than this in any view: the reach of a linearised texture.
 constexpr double kMaxStepPx = 1.5;
 constexpr double kFirstDamping = 1e-3, kMaxDamping = 1e3;
@@ -66,7 +66,7 @@ Linearised LineariseAll(const StereoScene& scene, const WindowTexture& reference
     sum.cost += 2 - 2 * static_cast<double>(view->ncc);
     sum.shift_per_w = std::max(sum.shift_per_w, static_cast<double>(warp->CentreByInverseDepth().norm()));
     if (scene.free_offsets) {
-      const double error_px = std::max(scene.views[sighting.view].error_px, kConvergedPx);
+      const double error_px = std::max(scene.views[sighting.view].error_px, kTinyPx);
       AddWithOffset(*view,
                     kResidualEnergy / (scene.options.window_px * scene.options.window_px) / (error_px * error_px),
                     sighting.offset_px, sum, sum.offsets[i]);
@@ -100,7 +100,8 @@ void Apply(const Linearised& at, const Eigen::Vector3d& step, double share, Plan
 
 }  // namespace
 
-bool FitPlane(const StereoScene& scene, const WindowTexture& reference, int max_iterations, PlaneFit& fit) {
+bool FitPlane(const StereoScene& scene, const WindowTexture& reference, int max_iterations, double converged_px,
+              PlaneFit& fit) {
   Linearised at = LineariseAll(scene, reference, fit);
   double damping = kFirstDamping;
   for (int i = 0; i < max_iterations && damping < kMaxDamping; ++i) {
@@ -109,8 +110,12 @@ bool FitPlane(const StereoScene& scene, const WindowTexture& reference, int max_
     const double length_px = StepLengthPx(at, step, scene.options.window_px);
     if (!std::isfinite(length_px)) return false;
     PlaneFit trial = fit;
-    Apply(at, step, std::min(1.0, kMaxStepPx / std::max(length_px, kConvergedPx)), trial);
+    Apply(at, step, std::min(1.0, kMaxStepPx / std::max(length_px, kTinyPx)), trial);
     if (!(trial.plane.inverse_depth[0] > 0)) return false;
+    if (length_px < converged_px) {
+      fit = std::move(trial);
+      break;
+    }
     Linearised there = LineariseAll(scene, reference, trial);
     if (there.cost < at.cost) {
       fit = std::move(trial);
@@ -119,7 +124,6 @@ bool FitPlane(const StereoScene& scene, const WindowTexture& reference, int max_
     } else {
       damping *= 10;
     }
-    if (length_px < kConvergedPx) break;
   }
   const Eigen::Matrix3d inverse = at.hessian.inverse();
   const double samples =
