@@ -4,9 +4,12 @@
 
 #include <Eigen/Dense>
 #include <Eigen/SVD>
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <optional>
+#include <string_view>
 
 namespace rigcal {
 namespace {
@@ -185,6 +188,41 @@ std::array<Similarity, 2> Starts(const AlignProblem& problem) {
 }
 
 }  // namespace
+
+std::vector<std::pair<int, int>> CommonViews(const RigCalibration& reference, const RigCalibration& estimate) {
+  std::map<std::string_view, int> by_name;
+  for (int j = 0; j < estimate.NumViews(); ++j) by_name.emplace(estimate.views[j].name, j);
+  std::vector<std::pair<int, int>> common;
+  for (int i = 0; i < reference.NumViews(); ++i) {
+    if (const auto it = by_name.find(reference.views[i].name); it != by_name.end()) common.emplace_back(i, it->second);
+  }
+  return common;
+}
+
+AlignProblem MakeAlignProblem(const RigCalibration& reference, const RigCalibration& estimate,
+                              const std::vector<ComparePoint>& points, const std::vector<std::pair<int, int>>& common) {
+  AlignProblem problem;
+  for (const ComparePoint& p : points) problem.mean_in_world += p.x_in_world / static_cast<double>(points.size());
+  double sum = 0;
+  for (const ComparePoint& p : points) sum += (p.x_in_world - problem.mean_in_world).squaredNorm();
+  if (sum > 0) problem.scale = std::sqrt(sum / static_cast<double>(points.size()));
+  for (const ComparePoint& p : points) {
+    problem.x_in_unit.push_back((p.x_in_world - problem.mean_in_world) / problem.scale);
+  }
+  for (const auto& [i, j] : common) {
+    AlignView view{estimate.CameraOf(j), estimate.views[j].cam_from_world, reference.views[i].cam_from_world, {}, {}};
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const std::vector<int>& seen_in = points[k].views;
+      if (!seen_in.empty() && std::find(seen_in.begin(), seen_in.end(), i) == seen_in.end()) continue;
+      const auto x_px = Project(reference.CameraOf(i), reference.views[i].cam_from_world * points[k].x_in_world);
+      if (!x_px || !x_px->allFinite()) continue;
+      view.points.push_back(static_cast<int>(k));
+      view.seen_px.push_back(*x_px);
+    }
+    problem.views.push_back(std::move(view));
+  }
+  return problem;
+}
 
 Eigen::Vector2d ProjectAligned(const AlignView& view, const Eigen::Matrix4d& estimate_from_unit,
                                const Eigen::Vector3d& x_in_unit) {

@@ -1,10 +1,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <utility>
 #include <vector>
 
 #include "core/geometry/camera.h"
 #include "core/geometry/rigid3.h"
+#include "core/scene/rig_calibration.h"
+#include "core/validate/compare.h"
 
 namespace rigcal {
 
@@ -24,6 +27,13 @@ struct AlignProblem {
   double scale = 1;
   std::vector<AlignView> views;
 };
+
+/// (view of the reference, view of the estimate), paired by name, in the reference's order.
+std::vector<std::pair<int, int>> CommonViews(const RigCalibration& reference, const RigCalibration& estimate);
+
+/// Points that a reference view does not see in front of it are left out there.
+AlignProblem MakeAlignProblem(const RigCalibration& reference, const RigCalibration& estimate,
+                              const std::vector<ComparePoint>& points, const std::vector<std::pair<int, int>>& common);
 
 inline constexpr double kAlignLossPx = 2.0;  ///< where the loss turns linear (../shared/tools/gt_error.py, f_scale)
 

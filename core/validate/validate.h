@@ -20,6 +20,7 @@ struct Reason {
   double limit = 0;
   std::string unit;
   std::optional<std::string> view;
+  std::optional<std::string> camera;  ///< id, for what concerns one camera's intrinsics
 };
 
 /// What one view did, for the report (DESIGN.md section 4).
@@ -53,10 +54,14 @@ struct ValidationInput {
   std::optional<RigCalibration> prior;     ///< the cameras of before (the seed), same views
   double expected_error_px = 0;            ///< Er of the prior; 0 when there is no prior
   std::vector<CameraPrior> camera_priors;  ///< one per camera of `calibration`; empty: defaults for a bare camera file
-  std::vector<double> sharpness;           ///< per view, see core/image; empty: not judged
+  std::vector<double> sharpness;           ///< per view, core/image/sharpness.h; empty: not judged, 0: cannot be told
 };
 
-/// The verdict on cameras (DESIGN.md section 4). Errors: kCancelled.
+/// The verdict on cameras (DESIGN.md section 4). Any check that speaks against the cameras rejects; what merely cannot
+/// be told makes it inconclusive. The checks' limits stand in limits.h. With prior cameras their frame and names count:
+/// views are paired by name. Without a single held-out track all tracks judge: the cameras have seen none of them.
+/// Tracks from stereo and matching with the judged cameras themselves are fine: matching finds what the pictures show.
+/// Errors: kCancelled.
 Result<ValidationReport> Validate(const ValidationInput& input, const Execution& execution);
 
 }  // namespace rigcal
