@@ -25,8 +25,8 @@ struct PlaneFit {
 /// Moves the plane (depth and two slopes) and, with scene.free_offsets, each view's offset to
 ///   min sum_j |f_j - f_r|^2 + (residual variance) * |offset_j|^2 / error_j^2,
 /// f being textures with mean 0 and norm 1 (hence mean NCC to its maximum), by Levenberg-Marquardt. A view whose window
-/// leaves its image keeps ncc = 0. Ends after max_iterations or with a step below converged_px (in every view), which is
-/// still taken; the NCCs are those before it. False when nothing is left to fit.
+/// leaves its image keeps ncc = 0. Ends after max_iterations or with a step below converged_px (in every view), which
+/// is still taken; the NCCs are those before it. False when nothing is left to fit.
 bool FitPlane(const StereoScene& scene, const WindowTexture& reference, int max_iterations, double converged_px,
               PlaneFit& fit);
 

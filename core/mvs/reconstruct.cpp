@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/mvs/local_surface.h"
 #include "core/mvs/stereo_scene.h"
 #include "core/mvs/surface.h"
 
@@ -39,6 +40,7 @@ Result<std::vector<Patch>> Reconstruct(const ImageSet& images, const RigCalibrat
     for (const stereo::SurfacePatch& patch : surface.patches) surface.cells.Fill(scene, patch);
     execution.Report((turn + 2.0) / (kTurns + 1));
   }
+  if (!stereo::SmoothPatches(scene, execution, surface.patches)) return Cancelled("the stereo");
   std::vector<Patch> patches;
   patches.reserve(surface.patches.size());
   for (const stereo::SurfacePatch& patch : surface.patches) patches.push_back(Published(patch));
