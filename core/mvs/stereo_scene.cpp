@@ -14,9 +14,23 @@ namespace {
 /// NCC and a joint fit is more precise than one with offsets (measured on templeSparseRing at level 2).
 constexpr double kFreeOffsetsFromErrorPx = 0.3;
 
+/// Coverage (of 255) from which a pixel of the level is taken to show the object alone.
+constexpr int kPureObject = 250;
+
+/// 1 where a pixel of the level shows nothing but the object, 0 elsewhere.
+cv::Mat1f ObjectPixels(const ViewImages& pictures, int level) {
+  const cv::Size size = pictures.gray[level].size();
+  if (pictures.mask.empty()) return cv::Mat1f(size, 1.0f);
+  cv::Mat coverage = pictures.mask >= kMaskThreshold;  // 255 or 0
+  for (int l = 0; l < level; ++l) cv::pyrDown(coverage, coverage);
+  cv::Mat1f on_object;
+  cv::Mat(coverage >= kPureObject).convertTo(on_object, CV_32F, 1.0 / 255);
+  return on_object;
+}
+
 /// The picture is smoothed a little first ([1 4 1] / 6 in both directions, the cubic B-spline): bilinear samples blur
 /// by where they fall between the pixels, and what is blurred already feels that less.
-cv::Mat4f MakeTexels(const cv::Mat1f& image) {
+cv::Mat4f MakeTexels(const cv::Mat1f& image, const cv::Mat1f& on_object) {
   const cv::Mat1f smooth_kernel = (cv::Mat1f(1, 3) << 1 / 6.f, 4 / 6.f, 1 / 6.f);
   const cv::Mat1f difference_kernel = (cv::Mat1f(1, 3) << -0.5f, 0, 0.5f);
   const cv::Mat1f one(1, 1, 1.0f);
@@ -24,7 +38,7 @@ cv::Mat4f MakeTexels(const cv::Mat1f& image) {
   cv::sepFilter2D(image, channels[0], CV_32F, smooth_kernel, smooth_kernel);
   cv::sepFilter2D(channels[0], channels[1], CV_32F, difference_kernel, one);
   cv::sepFilter2D(channels[0], channels[2], CV_32F, one, difference_kernel);
-  channels[3] = cv::Mat1f::zeros(image.size());
+  channels[3] = on_object;
   cv::Mat4f texels;
   cv::merge(channels.data(), channels.size(), texels);
   return texels;
@@ -34,7 +48,7 @@ StereoView MakeView(const ViewImages& pictures, const Camera& camera, const Rigi
                     const StereoOptions& options, std::size_t index) {
   const double scale = std::ldexp(1.0, -options.level);
   StereoView view;
-  view.texels = MakeTexels(pictures.gray[options.level]);
+  view.texels = MakeTexels(pictures.gray[options.level], ObjectPixels(pictures, options.level));
   view.full_size = &pictures;
   view.px_from_world = ProjectionMatrix(camera, cam_from_world, options.level);
   view.direction_from_px = view.px_from_world.leftCols<3>().inverse();

@@ -11,7 +11,8 @@ namespace rigcal::stereo {
 
 /// One view at the reconstructed level. All pixels of this stage are pixels of that level (x_L = x_0 / 2^L).
 struct StereoView {
-  /// Grey value, its derivatives by x and y (central differences), 0: together, because one position needs all three.
+  /// Grey value, its derivatives by x and y (central differences), and 1 where only the object is seen (else 0):
+  /// together, because one position needs them all.
   cv::Mat4f texels;
   const ViewImages* full_size = nullptr;  ///< for the silhouette; owned by the caller of Reconstruct
   Eigen::Matrix<double, 3, 4> px_from_world;

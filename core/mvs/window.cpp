@@ -13,6 +13,8 @@ constexpr float kMinContrast = 0.25f / 255;
 constexpr float kMaxScale = 2.5f;
 /// A window's plane must not be seen more obliquely than this in its reference (cosine; about 80 degrees).
 constexpr double kMinCosine = 0.17;
+/// Standard deviation of a window's weights, in window sides.
+constexpr float kWeightSigma = 0.35f;
 
 bool CanSampleWindow(const cv::Mat4f& texels, int window_px, const WindowWarp& warp) {
   const float h = static_cast<float>(window_px / 2);
@@ -48,13 +50,35 @@ float SampleGray(const cv::Mat4f& texels, float x, float y) {
   return top + b * (q[0] + a * (q[4] - q[0]) - top);
 }
 
-/// Takes the mean off and scales to norm 1; false when there is nothing to scale.
-bool Normalise(WindowSamples& samples, float& norm) {
-  samples -= samples.mean();
-  norm = std::sqrt(samples.square().sum());
-  if (!(norm > kMinContrast * std::sqrt(static_cast<float>(samples.size())))) return false;
-  samples /= norm;
-  return true;
+/// Takes the weighted mean off, weighs, and scales to norm 1, which it returns; nothing when there is nothing to scale.
+std::optional<float> Normalise(const WindowTexture& weights, WindowSamples& samples) {
+  samples = weights.root_weight * (samples - (weights.weight * samples).sum());
+  const float norm = std::sqrt(samples.square().sum());
+  if (!(norm > kMinContrast)) return std::nullopt;
+  samples *= 1 / norm;
+  return norm;
+}
+
+/// Where the window's samples lie in a view, and 1 / depth relative to the centre's.
+struct WindowPlaces {
+  std::array<float, kMaxWindowSamples> x, y, scale;
+};
+
+void PlaceWindow(int window_px, const WindowWarp& warp, WindowPlaces& places) {
+  const int h = window_px / 2;
+  for (int row = 0; row < window_px; ++row) {
+    const Eigen::Vector3f left =
+        warp.centre + warp.by_v * static_cast<float>(row - h) - warp.by_u * static_cast<float>(h);
+    float* x = places.x.data() + row * window_px;
+    float* y = places.y.data() + row * window_px;
+    float* scale = places.scale.data() + row * window_px;
+    for (int i = 0; i < window_px; ++i) {
+      const float d = static_cast<float>(i);
+      scale[i] = 1 / (left.z() + warp.by_u.z() * d);
+      x[i] = (left.x() + warp.by_u.x() * d) * scale[i] + warp.offset_px.x();
+      y[i] = (left.y() + warp.by_u.y() * d) * scale[i] + warp.offset_px.y();
+    }
+  }
 }
 
 }  // namespace
@@ -91,12 +115,22 @@ std::optional<WindowTexture> ReferenceTexture(const StereoScene& scene, const Wi
     return std::nullopt;
   }
   WindowTexture texture;
+  texture.weight.resize(side * side);
   texture.normalised.resize(side * side);
-  for (int row = 0; row < side; ++row) {
-    const float* p = texels.ptr<float>(plane.v_px - h + row) + 4 * (plane.u_px - h);
-    texture.normalised.segment(row * side, side) = Eigen::Map<const Eigen::ArrayXf, 0, Eigen::InnerStride<4>>(p, side);
+  const float falloff = 1 / (2 * kWeightSigma * kWeightSigma * static_cast<float>(side * side));
+  int k = 0;
+  for (int dv = -h; dv <= h; ++dv) {
+    const float* p = texels.ptr<float>(plane.v_px + dv) + 4 * (plane.u_px - h);
+    for (int du = -h; du <= h; ++du, ++k, p += 4) {
+      texture.normalised[k] = p[0];
+      texture.weight[k] = p[3] * std::exp(-static_cast<float>(du * du + dv * dv) * falloff);
+    }
   }
-  if (!Normalise(texture.normalised, texture.norm)) return std::nullopt;
+  const float sum = texture.weight.sum();
+  if (!(sum > 0)) return std::nullopt;
+  texture.weight *= 1 / sum;
+  texture.root_weight = texture.weight.sqrt();
+  if (!Normalise(texture, texture.normalised)) return std::nullopt;
   return texture;
 }
 
@@ -126,51 +160,40 @@ std::optional<WindowWarp> MakeWarp(const StereoScene& scene, const WindowPlane& 
 std::optional<float> WindowNcc(const cv::Mat4f& texels, int window_px, const WindowWarp& warp,
                                const WindowTexture& reference) {
   if (!CanSampleWindow(texels, window_px, warp)) return std::nullopt;
-  const int h = window_px / 2;
-  WindowSamples values(window_px * window_px);
-  int k = 0;
-  for (int dv = -h; dv <= h; ++dv) {
-    const Eigen::Vector3f row = warp.centre + warp.by_v * static_cast<float>(dv);
-    for (int du = -h; du <= h; ++du, ++k) {
-      const float d = static_cast<float>(du);
-      const float s = 1 / (row.z() + warp.by_u.z() * d);
-      values[k] = SampleGray(texels, (row.x() + warp.by_u.x() * d) * s + warp.offset_px.x(),
-                             (row.y() + warp.by_u.y() * d) * s + warp.offset_px.y());
-    }
-  }
-  values -= values.mean();
-  const float norm = std::sqrt(values.square().sum());
-  if (!(norm > kMinContrast * static_cast<float>(window_px))) return 0.0f;
-  return (values * reference.normalised).sum() / norm;
+  WindowPlaces places;
+  PlaceWindow(window_px, warp, places);
+  WindowSamples values(reference.NumSamples());
+  for (int k = 0; k < reference.NumSamples(); ++k) values[k] = SampleGray(texels, places.x[k], places.y[k]);
+  if (!Normalise(reference, values)) return 0.0f;
+  return (values * reference.normalised).sum();
 }
 
 std::optional<ViewNormalEquations> LineariseWindow(const cv::Mat4f& texels, int window_px, const WindowWarp& warp,
                                                    const WindowTexture& reference, bool with_offset) {
   if (!CanSampleWindow(texels, window_px, warp)) return std::nullopt;
-  const int h = window_px / 2;
-  const int n = window_px * window_px;
-  std::array<WindowSamples, 5> by;  // derivative of the grey value by w, dw/du, dw/dv, offset x, offset y
+  const int n = reference.NumSamples();
+  WindowPlaces places;
+  PlaceWindow(window_px, warp, places);
+  // Derivative of the grey value by w, dw/du, dw/dv, offset x, offset y.
+  std::array<WindowSamples, 5> by;
   for (WindowSamples& column : by) column.resize(n);
   WindowSamples values(n);
-  int k = 0;
-  for (int dv = -h; dv <= h; ++dv) {
-    const Eigen::Vector3f row = warp.centre + warp.by_v * static_cast<float>(dv);
-    for (int du = -h; du <= h; ++du, ++k) {
-      const float d = static_cast<float>(du);
-      const float s = 1 / (row.z() + warp.by_u.z() * d);
-      const float x = (row.x() + warp.by_u.x() * d) * s, y = (row.y() + warp.by_u.y() * d) * s;
-      const Eigen::Array4f texel = SampleTexel(texels, x + warp.offset_px.x(), y + warp.offset_px.y());
-      values[k] = texel[0];
-      by[3][k] = texel[1];
-      by[4][k] = texel[2];
-      by[0][k] = s * (texel[1] * (warp.epipole.x() - x * warp.epipole.z()) +
-                      texel[2] * (warp.epipole.y() - y * warp.epipole.z()));
-      by[1][k] = by[0][k] * d;
-      by[2][k] = by[0][k] * static_cast<float>(dv);
+  for (int k = 0; k < n; ++k) {
+    const Eigen::Array4f texel = SampleTexel(texels, places.x[k], places.y[k]);
+    values[k] = texel[0], by[3][k] = texel[1], by[4][k] = texel[2];
+  }
+  const int h = window_px / 2;
+  for (int row = 0, k = 0; row < window_px; ++row) {
+    for (int i = 0; i < window_px; ++i, ++k) {
+      by[0][k] =
+          places.scale[k] * (by[3][k] * (warp.epipole.x() - (places.x[k] - warp.offset_px.x()) * warp.epipole.z()) +
+                             by[4][k] * (warp.epipole.y() - (places.y[k] - warp.offset_px.y()) * warp.epipole.z()));
+      by[1][k] = by[0][k] * static_cast<float>(i - h);
+      by[2][k] = by[0][k] * static_cast<float>(row - h);
     }
   }
-  float norm = 0;
-  if (!Normalise(values, norm)) return std::nullopt;
+  const std::optional<float> norm = Normalise(reference, values);
+  if (!norm) return std::nullopt;
   // f = (I - mean) / |I - mean|, so df = (P dI) / norm with P the projector across 1 and f; P f = 0 removes f_j itself
   // from the gradient of |f_j - f_r|^2 / 2.
   ViewNormalEquations equations;
@@ -180,7 +203,7 @@ std::optional<ViewNormalEquations> LineariseWindow(const cv::Mat4f& texels, int 
   const int columns = with_offset ? 5 : 3;
   std::array<float, 5> along_f{};
   for (int c = 0; c < columns; ++c) {
-    by[c] = (by[c] - by[c].mean()) / norm;
+    by[c] = reference.root_weight * ((by[c] - (reference.weight * by[c]).sum()) * (1 / *norm));
     along_f[c] = (by[c] * values).sum();
     equations.gradient[c] = along_f[c] * equations.ncc - (by[c] * reference.normalised).sum();
     for (int b = 0; b <= c; ++b) {

@@ -27,10 +27,13 @@ Eigen::Vector3d NormalInWorld(const StereoScene& scene, const WindowPlane& plane
 inline constexpr int kMaxWindowSamples = kMaxStereoWindowPx * kMaxStereoWindowPx;
 using WindowSamples = Eigen::Array<float, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxWindowSamples, 1>;
 
-/// A window's grey values with mean 0 and norm 1, row by row.
+/// A window's grey values, row by row, weighed: less towards its edge, so that what is around the centre decides on a
+/// curved surface, and nothing off the object.
 struct WindowTexture {
-  WindowSamples normalised;
-  float norm = 0;  ///< of the values after their mean was taken off
+  WindowSamples weight;       ///< sum 1
+  WindowSamples root_weight;  ///< square roots
+  WindowSamples normalised;   ///< root_weight * (value - weighted mean) / norm: sum of squares 1
+  [[nodiscard]] int NumSamples() const { return static_cast<int>(weight.size()); }
 };
 
 /// The window's texture in its reference view; nothing when it leaves the image or shows nothing at all.
