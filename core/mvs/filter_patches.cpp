@@ -3,6 +3,7 @@
 #include <limits>
 #include <set>
 
+#include "core/mvs/local_surface.h"
 #include "core/mvs/surface.h"
 
 namespace rigcal::stereo {
@@ -11,8 +12,8 @@ namespace {
 /// Least share of a patch's surrounding patches that continue its surface (PMVS paper, section 3.3: 0.25).
 constexpr double kMinNeighbourShare = 0.25;
 constexpr int kMinNeighbours = 3;
-/// Largest median distance between a patch and its neighbours' tangent planes, pixels of the level.
-constexpr double kMaxTangentDistancePx = 1.0;
+/// Largest distance from the surface that the patches around lie on, pixels of the level.
+constexpr double kMaxDistancePx = 1.0;
 constexpr int kMinGroup = 12;  ///< patches of a connected piece of surface at least
 constexpr int kReach = 2;      ///< cells around a patch in which its neighbours are looked for
 constexpr int kFilterBlock = 64;
@@ -59,32 +60,28 @@ bool IsVisible(const Judge& judge, const SurfacePatch& patch) {
          static_cast<float>(patch.sightings.size()) * patch.ncc >= rivals_ncc;
 }
 
-/// Whether the patches around continue its surface, smoothly.
+/// Whether enough of the patches around continue its surface.
 bool IsSupported(const Judge& judge, const SurfacePatch& patch) {
   const double footprint = judge.Footprint(patch);
-  std::vector<double> distances_px;
   int others = 0, neighbours = 0;
   for (const Sighting& sighting : patch.sightings) {
     const std::optional<Pixel> pixel = SightingPixel(judge.scene, patch, sighting);
     if (!pixel) continue;
-    const bool is_reference = &sighting == patch.sightings.data();
-    judge.index.ForNeighbours(sighting.view, pixel->x_px, is_reference ? kReach : 1, [&](int other, float /*depth*/) {
+    judge.index.ForNeighbours(sighting.view, pixel->x_px, 1, [&](int other, float /*depth*/) {
       const SurfacePatch& q = judge.patches[other];
       if (&q == &patch) return;
       ++others;
-      if (!judge.AreNeighbours(patch, q, footprint)) return;
-      ++neighbours;
-      if (!is_reference) return;
-      const Eigen::Vector3d d = patch.centre_in_world - q.centre_in_world;
-      // Halfway between the two tangent planes: curvature cancels, a step remains.
-      distances_px.push_back(0.5 * std::abs(d.dot(patch.normal_in_world) + d.dot(q.normal_in_world)) / footprint);
+      if (judge.AreNeighbours(patch, q, footprint)) ++neighbours;
     });
   }
-  if (static_cast<int>(distances_px.size()) < kMinNeighbours) return false;
-  if (neighbours < kMinNeighbourShare * others) return false;
-  const auto middle = distances_px.begin() + static_cast<std::ptrdiff_t>(distances_px.size() / 2);
-  std::nth_element(distances_px.begin(), middle, distances_px.end());
-  return *middle < kMaxTangentDistancePx + judge.scene.views[patch.sightings[0].view].error_px;
+  return neighbours >= kMinNeighbours && neighbours >= kMinNeighbourShare * others;
+}
+
+/// Whether it lies on the surface that the others around lie on.
+bool IsSmooth(const Judge& judge, const SurfacePatch& patch) {
+  const int index = static_cast<int>(&patch - judge.patches.data());
+  const std::optional<LocalSurface> surface = FitLocalSurface(judge.scene, judge.patches, judge.index, patch, index);
+  return surface && std::abs(surface->value_px) < kMaxDistancePx + judge.scene.views[patch.sightings[0].view].error_px;
 }
 
 bool Keep(const StereoScene& scene, const Execution& execution, std::vector<SurfacePatch>& patches,
@@ -150,6 +147,7 @@ std::optional<std::vector<SurfacePatch>> FilterPatches(const StereoScene& scene,
                                                        const Execution& execution) {
   if (!Keep(scene, execution, patches, IsVisible)) return std::nullopt;
   if (!Keep(scene, execution, patches, IsSupported)) return std::nullopt;
+  if (!Keep(scene, execution, patches, IsSmooth)) return std::nullopt;
   DropSmallGroups(scene, patches);
   return patches;
 }
