@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/base/ensure.h"
 #include "core/base/random.h"
 
 namespace rigcal::sim {
@@ -44,6 +43,19 @@ std::vector<double> CumulativeArea(const TriangleMesh& mesh) {
   return sum;
 }
 
+/// Focal length / depth, median over the views.
+double PixelsPerMetre(const RigCalibration& truth, const Vector3d& x_in_world) {
+  constexpr double kLeastDepth_m = 1e-3;
+  std::vector<double> scales;
+  for (int view = 0; view < truth.NumViews(); ++view) {
+    const double depth_m = (truth.views[view].cam_from_world * x_in_world).z();
+    scales.push_back(truth.CameraOf(view).fx_px / std::max(depth_m, kLeastDepth_m));
+  }
+  const auto middle = scales.begin() + static_cast<std::ptrdiff_t>(scales.size() / 2);
+  std::nth_element(scales.begin(), middle, scales.end());
+  return *middle;
+}
+
 }  // namespace
 
 std::optional<SurfacePoint> SurfaceAt(const Studio& studio, int view, const Eigen::Vector2d& x_px) {
@@ -80,18 +92,19 @@ std::vector<VisiblePoint> SurfacePoints(const Studio& studio, int count, int min
   return points;
 }
 
-double DistanceToSurface_px(const Studio& studio, const Vector3d& x_in_world, const std::vector<int>& views) {
-  Ensure(!views.empty(), "a view to judge the distance from");
-  const auto nearest = studio.rays.Nearest(x_in_world, kFarthest_m);
-  const double distance_m = nearest ? (*nearest - x_in_world).norm() : kFarthest_m;
-  std::vector<double> scale_px_per_m;
-  for (const int view : views) {
-    const double depth_m = (studio.truth.views[view].cam_from_world * x_in_world).z();
-    scale_px_per_m.push_back(studio.truth.CameraOf(view).fx_px / std::max(depth_m, 1e-3));
-  }
-  const auto middle = scale_px_per_m.begin() + static_cast<std::ptrdiff_t>(scale_px_per_m.size() / 2);
-  std::nth_element(scale_px_per_m.begin(), middle, scale_px_per_m.end());
-  return distance_m * *middle;
+std::vector<double> DistancesToSurface_px(const Studio& studio, const std::vector<Vector3d>& points_in_world,
+                                          const Execution& execution) {
+  constexpr int kPerTask = 256;
+  const int count = static_cast<int>(points_in_world.size());
+  std::vector<double> distances_px(points_in_world.size());
+  const bool done = ParallelFor(execution, (count + kPerTask - 1) / kPerTask, [&](int task) {
+    for (int i = task * kPerTask; i < std::min(count, (task + 1) * kPerTask); ++i) {
+      const auto nearest = studio.rays.Nearest(points_in_world[i], kFarthest_m);
+      const double distance_m = nearest ? (*nearest - points_in_world[i]).norm() : kFarthest_m;
+      distances_px[i] = distance_m * PixelsPerMetre(studio.truth, points_in_world[i]);
+    }
+  });
+  return done ? distances_px : std::vector<double>();
 }
 
 }  // namespace rigcal::sim

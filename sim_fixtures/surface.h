@@ -23,10 +23,11 @@ inline constexpr double kSteepestView_deg = 80;
 /// see little of it.
 std::vector<VisiblePoint> SurfacePoints(const Studio& studio, int count, int min_views);
 
-/// How far x_in_world lies from the true surface, in pixels (full size) as the given views see it: the distance to the
-/// nearest surface point times focal length / depth, median over the views. `views` not empty. Points farther than
-/// kFarthest_m count as that far.
-double DistanceToSurface_px(const Studio& studio, const Eigen::Vector3d& x_in_world, const std::vector<int>& views);
+/// How far points lie from the true surface (object, and table top where there is one), in pixels of the full size as
+/// seen from the cameras: the distance to the nearest surface point times focal length / depth, median over the views.
+/// Points farther away than kFarthest_m count as that far. Independent of the number of threads; empty when stopped.
+std::vector<double> DistancesToSurface_px(const Studio& studio, const std::vector<Eigen::Vector3d>& points_in_world,
+                                          const Execution& execution);
 inline constexpr double kFarthest_m = 0.05;
 
 }  // namespace rigcal::sim

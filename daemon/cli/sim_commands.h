@@ -1,0 +1,12 @@
+#pragma once
+
+#include "daemon/cli/command.h"
+
+namespace rigcal {
+
+/// The subcommands of `rigcal sim`.
+void AddSimRenderCommand(CLI::App& sim, CommandSession& session);
+void AddSimDisturbCommand(CLI::App& sim, CommandSession& session);
+void AddSimJudgePatchesCommand(CLI::App& sim, CommandSession& session);
+
+}  // namespace rigcal

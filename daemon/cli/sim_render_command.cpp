@@ -1,0 +1,102 @@
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <memory>
+
+#include "daemon/cli/run_request.h"
+#include "daemon/cli/sim_commands.h"
+#include "daemon/cli/sim_folder.h"
+
+namespace rigcal {
+namespace {
+
+struct RenderRequest {
+  sim::StudioOptions studio;
+  SimFolderOptions folder;
+  std::string scene = "textured", motion = "turntable", background = "black";
+  std::vector<double> distortion;
+  std::string out;
+  int num_threads = 1;
+};
+
+template <typename Kind>
+Result<Kind> Choose(std::optional<Kind> found, std::string_view option, const std::string& given,
+                    const std::vector<std::string>& allowed) {
+  if (found) return *found;
+  return Fail(ErrorCode::kBadInput, "--{} is '{}', must be one of: {}", option, given, fmt::join(allowed, ", "));
+}
+
+Result<void> Complete(RenderRequest& request) {
+  const auto scene = Choose(sim::SceneFromName(request.scene), "scene", request.scene, sim::SceneNames());
+  if (!scene) return Fail(scene.error());
+  const auto motion = Choose(sim::MotionFromName(request.motion), "motion", request.motion, {"turntable", "gantry"});
+  if (!motion) return Fail(motion.error());
+  const auto surroundings =
+      Choose(sim::SurroundingsFromName(request.background), "background", request.background, {"black", "backdrop"});
+  if (!surroundings) return Fail(surroundings.error());
+  request.studio.scene = *scene;
+  request.studio.motion = *motion;
+  request.studio.surroundings = *surroundings;
+  if (request.distortion.size() > request.studio.distortion.size()) {
+    return Fail(ErrorCode::kBadInput, "--distortion has {} values, at most {} are known (k1,k2,p1,p2,k3)",
+                request.distortion.size(), request.studio.distortion.size());
+  }
+  std::copy(request.distortion.begin(), request.distortion.end(), request.studio.distortion.begin());
+  constexpr int kMaxThreads = 256;
+  if (request.num_threads < 1 || request.num_threads > kMaxThreads) {
+    return Fail(ErrorCode::kBadInput, "--threads is {}, must lie within 1 .. {}", request.num_threads, kMaxThreads);
+  }
+  return {};
+}
+
+Result<void> Render(RenderRequest& request, const CommandSession& session) {
+  if (auto completed = Complete(request); !completed) return completed;
+  Execution execution{.stop = session.stop, .num_threads = request.num_threads, .report_progress = {}};
+  if (session.on_terminal) {
+    execution.report_progress = [](double share) { fmt::print(stderr, "\rrender {:3.0f} %", 100 * share); };
+  }
+  const auto studio = sim::MakeStudio(request.studio, execution);
+  if (!studio) return Fail(studio.error());
+  auto written = WriteSimFolder(*studio, request.folder, request.out, execution);
+  if (session.on_terminal) fmt::print(stderr, "\n");
+  if (written) fmt::print("{} pictures in {}\n", studio->truth.NumViews(), request.out);
+  return written;
+}
+
+}  // namespace
+
+void AddSimRenderCommand(CLI::App& sim, CommandSession& session) {
+  CLI::App* command = sim.add_subcommand("render", "Renders a set of pictures with exact truth");
+  const auto request = std::make_shared<RenderRequest>();
+  sim::StudioOptions& studio = request->studio;
+  SimFolderOptions& folder = request->folder;
+  command->add_option("--out", request->out, "Folder to write")->required();
+  command->add_option("--scene", request->scene, "textured, plaster or thin")->capture_default_str();
+  command->add_option("--motion", request->motion, "turntable or gantry")->capture_default_str();
+  command->add_option("--background", request->background, "black or backdrop")->capture_default_str();
+  command->add_option("--cameras", studio.num_cameras, "Cameras at a turntable")->capture_default_str();
+  command->add_option("--stops", studio.num_stops, "Stops of a turntable")->capture_default_str();
+  command->add_option("--views", studio.num_views, "Views of a gantry")->capture_default_str();
+  command->add_option("--width", studio.width_px, "Pixels")->capture_default_str();
+  command->add_option("--height", studio.height_px, "Pixels")->capture_default_str();
+  command->add_option("--distortion", request->distortion, "Brown coefficients k1,k2,p1,p2,k3")->delimiter(',');
+  command->add_option("--step-error-deg", studio.step_error_deg, "Standard deviation of the table's angles")
+      ->capture_default_str();
+  command->add_option("--samples", folder.shot.samples_per_side, "Samples along a pixel's side")->capture_default_str();
+  command->add_option("--blur-px", folder.shot.sensor.blur_sigma_px, "Sigma of the lens")->capture_default_str();
+  command->add_option("--noise", folder.shot.sensor.noise_sigma, "Sigma in grey levels of 8 bit")
+      ->capture_default_str();
+  command->add_flag("--linear", folder.shot.sensor.linear, "Values proportional to the light, no sRGB curve");
+  command->add_option("--bits", folder.shot.sensor.bits, "8 or 16")->capture_default_str();
+  command->add_option("--disturb-px", folder.disturb_px, "Mean errors of the disturbed starts")
+      ->delimiter(',')
+      ->capture_default_str();
+  command->add_option("--random-seed", studio.random_seed, "Of noise, step errors and starts")->capture_default_str();
+  command->add_option("--threads", request->num_threads)->capture_default_str();
+  command->callback([request, &session] {
+    const Result<void> rendered = Render(*request, session);
+    session.exit_status = rendered ? kExitAccepted : FailWith("sim render", rendered.error());
+  });
+}
+
+}  // namespace rigcal
