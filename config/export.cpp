@@ -28,15 +28,20 @@ Result<void> CheckNamesAreWords(const RigCalibration& calibration, std::string_v
   return {};
 }
 
+Result<void> CheckNoSkew(const RigCalibration& calibration, std::string_view format) {
+  for (const Camera& camera : calibration.cameras)
+    if (camera.skew_px != 0)
+      return Fail(ErrorCode::kUnsupported, "camera '{}' has a skew of {} px, which {} does not know", camera.id,
+                  camera.skew_px, format);
+  return {};
+}
+
 Result<void> CheckColmap(const RigCalibration& calibration) {
   for (const Camera& camera : calibration.cameras) {
-    if (camera.skew_px != 0)
-      return Fail(ErrorCode::kUnsupported, "camera '{}' has a skew of {} px, which COLMAP's models cannot hold",
-                  camera.id, camera.skew_px);
     if (camera.width_px <= 0 || camera.height_px <= 0)
       return Fail(ErrorCode::kBadInput, "the image size of camera '{}' is not known, COLMAP needs it", camera.id);
   }
-  return {};
+  return CheckNoSkew(calibration, "COLMAP");
 }
 
 Result<void> Check(const RigCalibration& calibration, ExportFormat format) {
@@ -51,7 +56,7 @@ Result<void> Check(const RigCalibration& calibration, ExportFormat format) {
     case ExportFormat::kOpenCv:
       break;
   }
-  return {};
+  return CheckNoSkew(calibration, "OpenCV");
 }
 
 Result<void> WriteFiles(const ExportedFiles& files, const std::filesystem::path& folder) {
