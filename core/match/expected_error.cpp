@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <opencv2/calib3d.hpp>
 
 #include "core/base/ensure.h"
 #include "core/geometry/triangulate.h"
@@ -15,11 +14,6 @@ namespace {
 constexpr int kMaxFeaturesPerView = 2000;
 constexpr int kNeighbours = 4;
 constexpr double kMaxPairAngleRad = 50 * std::numbers::pi / 180;
-/// A pair of pictures with fewer matches that agree on one epipolar geometry may agree by chance.
-constexpr int kMinMatchesPerPair = 16;
-/// Distance from the epipolar line in full-size pixels of a picture of kReferenceSidePx: SIFT positions are good to
-/// half a pixel.
-constexpr double kEpipolarTolerancePx = 1.5;
 /// Fewer observations say nothing about a set, or about one view.
 constexpr int kMinObservations = 60;
 constexpr int kMinObservationsPerView = 15;
@@ -27,29 +21,9 @@ constexpr int kMinObservationsPerView = 15;
 constexpr double kMismatchShare = 0.05;
 /// Er never falls below: SIFT alone is off by half a pixel.
 constexpr double kMinExpectedErrorPx = 1.0;
-/// From the root mean square of what is seen to a conservative mean displacement (measured: tests/match).
-constexpr double kConservative = 1.4;
-
-/// Matches of a pair that agree on one fundamental matrix; none when there are too few. Deterministic: OpenCV seeds its
-/// RANSAC with a constant.
-void KeepConsistent(const SiftFeatures& a, const SiftFeatures& b, std::vector<FeatureMatch>& matches) {
-  std::vector<unsigned char> inlier;
-  if (static_cast<int>(matches.size()) >= kMinMatchesPerPair) {
-    std::vector<cv::Point2d> in_a, in_b;
-    for (const FeatureMatch& m : matches) {
-      in_a.emplace_back(a.x_px[m.a].x(), a.x_px[m.a].y());
-      in_b.emplace_back(b.x_px[m.b].x(), b.x_px[m.b].y());
-    }
-    constexpr double kConfidence = 0.999;
-    constexpr int kMaxTrials = 2000;
-    cv::findFundamentalMat(in_a, in_b, cv::FM_RANSAC, kEpipolarTolerancePx, kConfidence, kMaxTrials, inlier);
-  }
-  std::vector<FeatureMatch> kept;
-  for (std::size_t i = 0; i < inlier.size(); ++i) {
-    if (inlier[i] != 0) kept.push_back(matches[i]);
-  }
-  matches = static_cast<int>(kept.size()) >= kMinMatchesPerPair ? std::move(kept) : std::vector<FeatureMatch>{};
-}
+/// From the root mean square of what is seen to a conservative mean displacement. Measured on templeSparseRing, 0.5 to
+/// 12 px: 1.0 to 1.4 times the truth when all views share one error of the intrinsics, 1.6 to 1.9 times otherwise.
+constexpr double kConservative = 1.6;
 
 /// One observation's distance from its track's point, blown up by what the point's three unknowns have swallowed: of
 /// 2 n numbers 2 n - 3 are left.

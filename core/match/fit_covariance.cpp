@@ -15,6 +15,9 @@ constexpr double kKernelVariancePx2 = 1.0 / 3.0;
 /// Beyond three pixels the correlation is below 0.002.
 constexpr double kCorrelatedPx = 3.0;
 
+/// Along a perfect edge nothing is known; a ten-thousandth of the information across stands for it.
+constexpr double kMinInformationShare = 1e-4;
+
 /// Correlation of samples that lie 0, 1, 2 .. steps apart along one axis of the patch.
 std::array<float, kMaxWindowPx> CorrelationAlong(double px_per_step, int side, int& reach) {
   std::array<float, kMaxWindowPx> correlation{};
@@ -70,21 +73,41 @@ NoiseEffect EffectOf(const Eigen::Matrix2d& px_from_step, const WindowTemplate& 
   return effect;
 }
 
+/// The inverse of J^T J without the part of it that noise in the reference picture has put there: noise has gradients
+/// too, but they do not answer to a shift of the other picture. `value_variance`: of that noise in the template.
+Eigen::Matrix2d InverseOfSignal(const WindowTemplate& t, double value_variance) {
+  /// Least share of an eigenvalue that counts as signal, so that a bad guess of the noise costs a factor of four at
+  /// most.
+  constexpr double kMinSignalShare = 0.25;
+  // Minus the second derivative of the correlation at zero distance: variance of the gradient over variance of the
+  // value.
+  constexpr double kGradientPerValue = 1 / (2 * kKernelVariancePx2);
+  const Eigen::Matrix2d& a = t.reference_px_from_step;
+  const Eigen::Matrix2d of_noise = t.shape.NumSamples() * kGradientPerValue * value_variance * a.transpose() * a;
+  const Eigen::Matrix2d least = kMinInformationShare * t.information.trace() * Eigen::Matrix2d::Identity();
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen;
+  eigen.computeDirect(t.information + least);
+  const Eigen::Matrix2d inverse_root = eigen.operatorInverseSqrt();
+  eigen.computeDirect(Eigen::Matrix2d::Identity() - inverse_root * of_noise * inverse_root);
+  return inverse_root * eigen.eigenvectors() *
+         eigen.eigenvalues().cwiseMax(kMinSignalShare).cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose() *
+         inverse_root;
+}
+
 }  // namespace
 
 Eigen::Matrix2d FitCovariance(const WindowTemplate& sought, const WindowFit& fit) {
-  /// Along a perfect edge nothing is known; a ten-thousandth of the information across stands for it.
-  constexpr double kMinInformationShare = 1e-4;
   const WindowShape& shape = sought.shape;
-  const Eigen::Matrix2d information =
-      sought.information + kMinInformationShare * sought.information.trace() * Eigen::Matrix2d::Identity();
-  const Eigen::Matrix2d inverse = information.inverse();
+  const Eigen::Matrix2d inverse = InverseOfSignal(sought, 0);
   const NoiseEffect here = EffectOf(shape.px_from_step, sought, inverse);
   const NoiseEffect there = EffectOf(sought.reference_px_from_step, sought, inverse);
   const double freedom = std::max(1.0, shape.NumSamples() - (here.absorbed + there.absorbed) / 2);
   const double variance = Dot(shape, fit.residual, fit.residual) / freedom;
-  const Eigen::Matrix2d px_from_gradient = shape.px_from_step * inverse;
-  return variance / 2 * px_from_gradient * (here.on_gradient + there.on_gradient) * px_from_gradient.transpose();
+  // Where J is nothing but zero (a perfect edge), the residual still is what it is.
+  const Eigen::Matrix2d least = kMinInformationShare * sought.information.trace() * Eigen::Matrix2d::Identity();
+  const Eigen::Matrix2d on_gradient = (here.on_gradient + there.on_gradient) / 2 + least;
+  const Eigen::Matrix2d px_from_gradient = shape.px_from_step * InverseOfSignal(sought, variance / 2);
+  return variance * px_from_gradient * on_gradient * px_from_gradient.transpose();
 }
 
 }  // namespace rigcal

@@ -73,7 +73,7 @@ class ChainTriangulation {
 Observation MakeObservation(const ViewImages& view, int view_index, const SiftFeatures& features, int feature) {
   /// Standard deviation of a SIFT position per coordinate, in units of the feature's scale sigma; and its least value.
   constexpr double kSigmaPerScale = 0.15;
-  constexpr double kMinSigmaPx = 0.3;
+  constexpr double kMinSigmaPx = 0.2;
   const double sigma_px = std::max(kMinSigmaPx, kSigmaPerScale * features.scale_px[feature]);
   return {view_index, OriginalFromUndistorted(view.undistorted_with, features.x_px[feature]),
           sigma_px * sigma_px * Eigen::Matrix2d::Identity(), 1.0f};
@@ -95,7 +95,9 @@ Result<TrackSet> MatchSparse(const ImageSet& images, const RigCalibration& calib
     const EpipolarGate gate{FundamentalMatrix(calibration, pair.view_a, pair.view_b),
                             kGatePerExpectedError * std::hypot(options.expected_error_px[pair.view_a],
                                                                options.expected_error_px[pair.view_b])};
-    pair.matches = MatchFeatures((*features)[pair.view_a], (*features)[pair.view_b], gate);
+    const SiftFeatures &a = (*features)[pair.view_a], &b = (*features)[pair.view_b];
+    pair.matches = MatchFeatures(a, b, gate);
+    KeepConsistent(a, b, pair.matches);
   });
   if (!finished) return Cancelled("sparse matching");
 

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <opencv2/calib3d.hpp>
 #include <set>
 
 #include "core/geometry/camera.h"
@@ -18,6 +19,11 @@ constexpr float kMinSimilarity = 0.8f;
 /// Features closer together than this are one place, and not rivals.
 constexpr double kSamePlacePx = 3.0;
 constexpr int kAlwaysPaired = 2;
+/// A pair of pictures with fewer matches that agree on one epipolar geometry may agree by chance.
+constexpr int kMinMatchesPerPair = 16;
+/// Distance from the epipolar line in full-size pixels of a picture of kReferenceSidePx: SIFT positions are good to
+/// half a pixel.
+constexpr double kEpipolarTolerancePx = 1.5;
 
 /// The two most similar features seen so far that are not at one place.
 struct BestTwo {
@@ -130,6 +136,25 @@ std::vector<FeatureMatch> MatchFeatures(const SiftFeatures& a, const SiftFeature
     }
   }
   return matches;
+}
+
+void KeepConsistent(const SiftFeatures& a, const SiftFeatures& b, std::vector<FeatureMatch>& matches) {
+  std::vector<unsigned char> inlier;
+  if (static_cast<int>(matches.size()) >= kMinMatchesPerPair) {
+    std::vector<cv::Point2d> in_a, in_b;
+    for (const FeatureMatch& m : matches) {
+      in_a.emplace_back(a.x_px[m.a].x(), a.x_px[m.a].y());
+      in_b.emplace_back(b.x_px[m.b].x(), b.x_px[m.b].y());
+    }
+    constexpr double kConfidence = 0.999;
+    constexpr int kMaxTrials = 2000;
+    cv::findFundamentalMat(in_a, in_b, cv::FM_RANSAC, kEpipolarTolerancePx, kConfidence, kMaxTrials, inlier);
+  }
+  std::vector<FeatureMatch> kept;
+  for (std::size_t i = 0; i < inlier.size(); ++i) {
+    if (inlier[i] != 0) kept.push_back(matches[i]);
+  }
+  matches = static_cast<int>(kept.size()) >= kMinMatchesPerPair ? std::move(kept) : std::vector<FeatureMatch>{};
 }
 
 }  // namespace rigcal

@@ -35,4 +35,8 @@ struct EpipolarGate {
 std::vector<FeatureMatch> MatchFeatures(const SiftFeatures& a, const SiftFeatures& b,
                                         const std::optional<EpipolarGate>& gate);
 
+/// Leaves the matches that agree on one fundamental matrix, whatever the cameras say; none when they are too few to
+/// have done so by more than chance. Deterministic: OpenCV's RANSAC starts from a constant.
+void KeepConsistent(const SiftFeatures& a, const SiftFeatures& b, std::vector<FeatureMatch>& matches);
+
 }  // namespace rigcal

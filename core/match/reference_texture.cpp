@@ -53,12 +53,9 @@ WindowValues Blurred(const WindowValues& values, int side, const Eigen::Matrix2f
 /// (I - v v^T) (derivative - mean) / norm.
 void DifferentiateNormalised(const WindowShape& shape, const WindowValues& v, float norm, WindowValues& derivative) {
   const int n = shape.NumSamples();
-  float mean = 0;
-  for (int k = 0; k < n; ++k) mean += derivative[k];
-  mean /= static_cast<float>(n);
-  for (int k = n; k < shape.NumLanes(); ++k) derivative[k] = 0;
+  RemoveTrend(shape, derivative);
   const float along = Dot(shape, derivative, v);
-  for (int k = 0; k < n; ++k) derivative[k] = (derivative[k] - mean - along * v[k]) / norm;
+  for (int k = 0; k < n; ++k) derivative[k] = (derivative[k] - along * v[k]) / norm;
 }
 
 }  // namespace

@@ -31,9 +31,9 @@ std::optional<WindowFit> SearchWindow(const cv::Mat1f& image, const WindowTempla
                                       const Eigen::Vector2d& start_px, double radius_px);
 
 /// Covariance (px^2 of the level at work) of fit.centre_px relative to the template's place:
-/// H^-1 (J^T C J) s^2 H^-1, with J the template's derivatives, H = J^T J, s^2 the variance of the residual and C the
-/// correlation of its entries, which come from overlapping pixels. H alone would call the result about two times too
-/// good. Noise of both pictures is in it; each has about half.
+/// S^-1 (J^T C J) s^2 S^-1, with J the template's derivatives, S = J^T J without what noise has added to it, s^2 the
+/// variance of the residual and C the correlation of its entries, which come from overlapping pixels. (J^T J)^-1 s^2
+/// would call the result up to two times too good. Noise of both pictures is in it; each has about half.
 Eigen::Matrix2d FitCovariance(const WindowTemplate& sought, const WindowFit& fit);
 
 }  // namespace rigcal

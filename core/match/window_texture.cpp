@@ -86,12 +86,32 @@ void SampleWindowWithGradient(const cv::Mat1f& image, const WindowShape& shape, 
   for (int k = n; k < shape.NumLanes(); ++k) values[k] = by_x[k] = by_y[k] = 0;
 }
 
+void RemoveTrend(const WindowShape& shape, WindowValues& values) {
+  const int side = shape.side, half = side / 2;
+  float sum = 0, along_u = 0, along_v = 0;
+  for (int j = 0, k = 0; j < side; ++j) {
+    for (int i = 0; i < side; ++i, ++k) {
+      sum += values[k];
+      along_u += values[k] * static_cast<float>(i - half);
+      along_v += values[k] * static_cast<float>(j - half);
+    }
+  }
+  const float n = static_cast<float>(side * side);
+  // Sum of i^2 over the window, i = -half .. half in each of `side` rows.
+  const float moment = n * static_cast<float>(half * (half + 1)) / 3;
+  const float mean = sum / n, slope_u = along_u / moment, slope_v = along_v / moment;
+  for (int j = 0, k = 0; j < side; ++j) {
+    for (int i = 0; i < side; ++i, ++k) {
+      values[k] -= mean + slope_u * static_cast<float>(i - half) + slope_v * static_cast<float>(j - half);
+    }
+  }
+  for (int k = shape.NumSamples(); k < shape.NumLanes(); ++k) values[k] = 0;
+}
+
 std::optional<float> Normalise(const WindowShape& shape, float min_contrast, WindowValues& values) {
   const int n = shape.NumSamples();
   Lanes v(values.data(), shape.NumLanes());
-  const float mean = v.sum() / static_cast<float>(n);
-  v -= mean;
-  for (int k = n; k < shape.NumLanes(); ++k) values[k] = 0;
+  RemoveTrend(shape, values);
   const float norm = std::sqrt(v.square().sum());
   if (!(norm > min_contrast * std::sqrt(static_cast<float>(n)))) return std::nullopt;
   v *= 1 / norm;

@@ -44,6 +44,9 @@ void SampleWindow(const cv::Mat1f& image, const WindowShape& shape, const Eigen:
 void SampleWindowWithGradient(const cv::Mat1f& image, const WindowShape& shape, const Eigen::Vector2d& centre_px,
                               const CubicKernel& kernel, WindowValues& values, WindowValues& by_x, WindowValues& by_y);
 
+/// Takes out the part that is linear in the window's rows and columns.
+void RemoveTrend(const WindowShape& shape, WindowValues& values);
+
 /// Makes the mean zero and the sum of squares one; returns the factor's inverse (the norm of the values without their
 /// mean), or nothing when the root mean square contrast is below min_contrast.
 std::optional<float> Normalise(const WindowShape& shape, float min_contrast, WindowValues& values);
