@@ -45,13 +45,6 @@ FitResiduals ResidualsOf(const RigCalibration& calibration, const MeasurementSet
   return residuals;
 }
 
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 std::vector<bool> DropGrossErrors(const FitResiduals& residuals, double least_sigmas, int num_views,
                                   MeasurementSet& measurements) {
   std::vector<std::vector<double>> by_view(num_views);
@@ -83,21 +76,26 @@ std::vector<bool> DropGrossErrors(const FitResiduals& residuals, double least_si
 
 NoiseEstimate EstimateNoise(const std::vector<double>& residual_sigmas, double cauchy_scale, int num_estimated) {
   NoiseEstimate noise;
+  if (residual_sigmas.empty()) return noise;
+  const double n = static_cast<double>(residual_sigmas.size());
+  // The fit has made the residuals smaller than the errors, by this much on average.
+  const double error2_per_residual2 = 2 * n / std::max(1.0, 2 * n - num_estimated);
   const double inverse_scale2 = cauchy_scale > 0 ? 1 / (cauchy_scale * cauchy_scale) : 0;
-  double sum_psi2 = 0, sum_psi_slope = 0, sum_weight = 0;
+  double sum_psi2 = 0, sum_slope = 0, sum_slope2 = 0, sum_weight = 0;  // per coordinate, summed over the features
   for (const double residual : residual_sigmas) {
-    const double s = residual * residual;
+    const double s = error2_per_residual2 * residual * residual;
     const double w = 1 / (1 + s * inverse_scale2);
+    const double across = w, along = w - 2 * w * w * s * inverse_scale2;  // eigenvalues of d psi / d e
     noise.weight.push_back(w);
-    sum_psi2 += 0.5 * w * w * s;                      // one coordinate's share of |psi|^2 = (w |e|)^2
-    sum_psi_slope += w - w * w * s * inverse_scale2;  // half the trace of d psi / d e
+    sum_psi2 += 0.5 * w * w * s;
+    sum_slope += 0.5 * (across + along);
+    sum_slope2 += 0.5 * (across * across + along * along);
     sum_weight += w;
   }
-  const double n = static_cast<double>(residual_sigmas.size());
-  const double degrees_of_freedom = std::max(1.0, 2 * n - num_estimated);
-  if (n == 0) return noise;
-  const double slope = sum_psi_slope / n;
-  const double variance = sum_psi2 / n / (slope * slope) * (2 * n / degrees_of_freedom);
+  const double slope = sum_slope / n;
+  const double slope_variance = std::max(0.0, sum_slope2 / n - slope * slope);
+  const double small_sample = 1 + num_estimated / (2 * n) * slope_variance / (slope * slope);
+  const double variance = small_sample * small_sample * (sum_psi2 / n) / (slope * slope);
   noise.sigma = std::sqrt(variance);
   noise.weighted_sigma = std::sqrt(variance * sum_weight / n);
   return noise;

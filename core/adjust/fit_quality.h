@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "core/base/median.h"
 #include "core/rig/measurements.h"
 
 namespace rigcal {
@@ -12,9 +13,6 @@ struct FitResiduals {
   std::vector<double> sigmas;  ///< whitened: 1 is the expected size of one coordinate
 };
 FitResiduals ResidualsOf(const RigCalibration& calibration, const MeasurementSet& measurements);
-
-/// Middle of the values (the upper one of two); 0 without any.
-double Median(std::vector<double> values);
 
 /// Takes out the features that are grossly wrong, and then the points with fewer than two features. The measure is a
 /// robust sigma of all features or of the feature's own view, whichever is larger, so that a view that has not
@@ -31,7 +29,8 @@ struct NoiseEstimate {
 };
 
 /// For the M-estimator with a Cauchy loss of `cauchy_scale` sigmas (0: none) on the length of a 2-D residual: Huber's
-/// asymptotic variance E[psi^2] / E[psi']^2, and a correction for the num_estimated parameters fitted.
+/// asymptotic variance E[psi^2] / E[psi']^2 of the residuals enlarged by what fitting num_estimated parameters took,
+/// with his correction K^2 for many parameters (Robust Statistics, section 7.6).
 NoiseEstimate EstimateNoise(const std::vector<double>& residual_sigmas, double cauchy_scale, int num_estimated);
 
 }  // namespace rigcal

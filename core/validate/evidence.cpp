@@ -1,5 +1,6 @@
 #include "core/validate/evidence.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -59,7 +60,46 @@ class PinholeViews {
     return (q.head<2>() / q.z() - feature.x_px).norm();
   }
 
+  /// Variance (mean of both coordinates) with which the other features foretell the one at `left_out`, when each of
+  /// them has a variance of one.
+  [[nodiscard]] double PredictionVariance(const std::vector<PinholeFeature>& features, int left_out,
+                                          const Eigen::Vector3d& x_in_world) const {
+    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+    for (int i = 0; i < static_cast<int>(features.size()); ++i) {
+      if (i == left_out) continue;
+      const Eigen::Matrix<double, 2, 3> j = ByPoint(features[i].view, x_in_world);
+      information += j.transpose() * j;
+    }
+    const Eigen::Matrix<double, 2, 3> j = ByPoint(features[left_out].view, x_in_world);
+    const Eigen::Matrix<double, 3, 2> by_information = information.ldlt().solve(j.transpose());
+    return 0.5 * (j * by_information).trace();
+  }
+
+  /// The widest angle between two rays of the features, the one at `left_out` aside.
+  [[nodiscard]] double WidestAngleRad(const std::vector<PinholeFeature>& features, int left_out) const {
+    double smallest_cosine = 1;
+    for (int a = 0; a < static_cast<int>(features.size()); ++a) {
+      for (int b = 0; b < a; ++b) {
+        if (a == left_out || b == left_out) continue;
+        smallest_cosine = std::min(smallest_cosine, RayInWorld(features[a]).dot(RayInWorld(features[b])));
+      }
+    }
+    return std::acos(std::clamp(smallest_cosine, -1.0, 1.0));
+  }
+
  private:
+  [[nodiscard]] Eigen::Matrix<double, 2, 3> ByPoint(int view, const Eigen::Vector3d& x_in_world) const {
+    const auto& p = px_from_world_[view];
+    const Eigen::Vector3d q = p * x_in_world.homogeneous();
+    const Eigen::Vector2d x_px = q.head<2>() / q.z();
+    return (p.topLeftCorner<2, 3>() - x_px * p.block<1, 3>(2, 0)) / q.z();
+  }
+
+  [[nodiscard]] Eigen::Vector3d RayInWorld(const PinholeFeature& feature) const {
+    const Eigen::Vector3d ray = px_from_world_[feature.view].leftCols<3>().inverse() * feature.x_px.homogeneous();
+    return ray.normalized();
+  }
+
   const RigCalibration& calibration_;
   std::vector<Eigen::Matrix<double, 3, 4>> px_from_world_;
 };
@@ -74,8 +114,11 @@ std::optional<Eigen::Vector2d> UndistortedPx(const Camera& camera, const Eigen::
 
 std::vector<CrossResidual> CrossResiduals(const RigCalibration& calibration, const std::vector<Track>& tracks,
                                           const std::vector<bool>& excluded) {
-  /// A feature that no point of the others can be compared with: as bad as it gets, cut by every robust mean.
+  // A feature that no point of the others can be compared with: as bad as it gets, cut by every robust mean.
   constexpr double kHopelessPx = 1e3;
+  // Rays this close tell no depth at all: a failure to meet in front of the cameras is not the cameras' fault. Two of
+  // the published temple views stand 0.1 degrees apart.
+  constexpr double kMinAngleRad = 0.02;
   const PinholeViews views(calibration);
   std::vector<CrossResidual> residuals;
   for (const Track& track : tracks) {
@@ -83,19 +126,16 @@ std::vector<CrossResidual> CrossResiduals(const RigCalibration& calibration, con
     const int count = static_cast<int>(features.size());
     if (count < 2) continue;
     for (int i = 0; i < count; ++i) {
-      const auto x_in_world = views.Triangulate(features, count > 2 ? i : -1);
-      const auto distance = x_in_world ? views.Distance(features[i], *x_in_world) : std::nullopt;
-      residuals.push_back({features[i].view, std::min(distance.value_or(kHopelessPx), kHopelessPx)});
+      const int left_out = count > 2 ? i : -1;
+      if (views.WidestAngleRad(features, left_out) < kMinAngleRad) continue;
+      const auto x_in_world = views.Triangulate(features, left_out);
+      auto distance = x_in_world ? views.Distance(features[i], *x_in_world) : std::nullopt;
+      if (distance && left_out >= 0) *distance /= std::sqrt(1 + views.PredictionVariance(features, i, *x_in_world));
+      const double residual_px = distance && std::isfinite(*distance) ? std::min(*distance, kHopelessPx) : kHopelessPx;
+      residuals.push_back({features[i].view, residual_px});
     }
   }
   return residuals;
-}
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 double RobustMean(std::vector<double> values) {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/base/median.h"
 #include "core/scene/rig_calibration.h"
 #include "core/scene/track.h"
 #include "core/validate/compare.h"
@@ -20,14 +21,15 @@ struct CrossResidual {
 };
 
 /// For every feature: its distance from the track's point as triangulated by all *other* views (cross-validated; a
-/// track of two features gives the distance to the common point). Views with excluded[view] do not take part.
+/// track of two features gives the distance to the common point), divided by what the noise of those views adds to it:
+/// on the scale of one feature's own error, however short the baseline of the others. Features whose others see the
+/// point from one and the same direction are left out. Views with excluded[view] do not take part.
 std::vector<CrossResidual> CrossResiduals(const RigCalibration& calibration, const std::vector<Track>& tracks,
                                           const std::vector<bool>& excluded);
 
 /// Mean of the values after each was cut at kWinsorRatio times the median: single gross outliers count little, a
 /// general rise counts in full. 0 without values.
 double RobustMean(std::vector<double> values);
-double Median(std::vector<double> values);  ///< 0 without values
 
 /// The tracks kept to judge: the held-out ones, or all when none is marked (cameras from elsewhere have seen none);
 /// at most max_tracks, evenly through their order.

@@ -18,6 +18,11 @@ struct CommandSession {
   int exit_status = kExitAccepted;
 };
 
+void AddRefineCommand(CLI::App& app, CommandSession& session);
+void AddValidateCommand(CLI::App& app, CommandSession& session);
+void AddMvsCommand(CLI::App& app, CommandSession& session);
+void AddCompareCommand(CLI::App& app, CommandSession& session);
+void AddExportCommand(CLI::App& app, CommandSession& session);
 void AddSimCommand(CLI::App& app, CommandSession& session);
 
 }  // namespace rigcal

@@ -43,6 +43,11 @@ int Main(int argc, char** argv) {
   session.on_terminal = isatty(STDERR_FILENO) != 0;
   CLI::App app("rigcal keeps the cameras of an object-scanning studio calibrated.", "rigcal");
   app.require_subcommand(1);
+  AddRefineCommand(app, session);
+  AddValidateCommand(app, session);
+  AddMvsCommand(app, session);
+  AddCompareCommand(app, session);
+  AddExportCommand(app, session);
   AddSimCommand(app, session);
   try {
     app.parse(argc, argv);

@@ -1,0 +1,57 @@
+#include "daemon/cli/progress_line.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdio>
+#include <utility>
+
+namespace rigcal {
+namespace {
+
+constexpr double kRedrawAfterS = 0.1;        ///< a person reads no faster
+constexpr double kEstimateFromShare = 0.05;  ///< before this share is done, the time left is a guess not worth showing
+
+}  // namespace
+
+ProgressLine::ProgressLine(bool on_terminal, std::function<double()> now_s)
+    : on_terminal_(on_terminal), now_s_(std::move(now_s)), begin_s_(now_s_()), shown_s_(begin_s_ - kRedrawAfterS) {}
+
+ProgressLine::~ProgressLine() {
+  Clear();
+}
+
+void ProgressLine::Show(const RunProgress& progress) {
+  if (!on_terminal_) return;
+  const std::lock_guard lock(mutex_);
+  const double now_s = now_s_();
+  if (now_s - shown_s_ < kRedrawAfterS) return;
+  shown_s_ = now_s;
+  visible_ = true;
+  fmt::print(stderr, "\r\x1b[K{}", ProgressText(progress, now_s - begin_s_));
+  std::fflush(stderr);
+}
+
+void ProgressLine::Clear() {
+  const std::lock_guard lock(mutex_);
+  if (!visible_) return;
+  fmt::print(stderr, "\r\x1b[K");
+  std::fflush(stderr);
+  visible_ = false;
+}
+
+std::string ProgressText(const RunProgress& progress, double elapsed_s) {
+  std::string text = progress.stage;
+  if (progress.round >= 0) text += fmt::format(", round {} of {}", progress.round + 1, progress.num_rounds);
+  text += fmt::format(": {:.0f} %", 100 * progress.run_share);
+  if (progress.run_share >= kEstimateFromShare) {
+    text += fmt::format(", about {:.0f} s left", elapsed_s * (1 - progress.run_share) / progress.run_share);
+  }
+  return text;
+}
+
+double MonotonicSeconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace rigcal

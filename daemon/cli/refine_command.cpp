@@ -1,0 +1,88 @@
+#include <fmt/format.h>
+
+#include <memory>
+#include <thread>
+
+#include "config/atomic_file.h"
+#include "daemon/cli/progress_line.h"
+#include "daemon/cli/run_request.h"
+#include "daemon/run_output.h"
+
+namespace rigcal {
+namespace {
+
+int NumThreads(const RunRequest& request) {
+  return request.num_threads > 0 ? request.num_threads
+                                 : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+int Refine(const RunRequest& request, const CommandSession& session) {
+  if (auto writable = PrepareOutputFolder(request.out); !writable) return FailWith("refine", writable.error());
+  ProgressLine line(session.on_terminal, MonotonicSeconds);
+  RunContext context(session.stop, NumThreads(request), MonotonicSeconds,
+                     [&line](const RunProgress& progress) { line.Show(progress); });
+  auto run = PrepareRun(request, context);
+  if (!run) return line.Clear(), FailWith("refine", run.error());
+  auto rig = RefineRig(run->images.images, run->cameras.calibration, run->options, context);
+  if (!rig) return line.Clear(), FailWith("refine", rig.error());
+  ReportInput(*run, rig->report);
+
+  auto written =
+      context.Time("write", -1, [&](const Execution&) { return WriteRunOutput(*rig, run->provenance, request.out); });
+  if (written) written = WriteTimingJson(context.Timing(), request.out / "timing.json");
+  line.Clear();
+  if (!written) return FailWith("refine", written.error());
+  fmt::print("{}", request.json ? ReportText(rig->report) : VerdictText(rig->report));
+  return rig->report.validation.verdict == Verdict::kAccepted ? kExitAccepted : kExitNotAccepted;
+}
+
+int ValidateCameras(const RunRequest& request, const CommandSession& session) {
+  ProgressLine line(session.on_terminal, MonotonicSeconds);
+  RunContext context(session.stop, NumThreads(request), MonotonicSeconds,
+                     [&line](const RunProgress& progress) { line.Show(progress); });
+  auto run = PrepareRun(request, context);
+  if (!run) return line.Clear(), FailWith("validate", run.error());
+  std::optional<RigCalibration> prior;
+  if (!request.prior.empty()) {
+    auto loaded = LoadCameras(request.prior, {.camera_from_name = request.camera_from_name});
+    if (!loaded) return line.Clear(), FailWith("validate", loaded.error());
+    prior = std::move(loaded->calibration);
+  }
+  auto rig = ValidateRig(run->images.images, run->cameras.calibration, prior, run->options, context);
+  line.Clear();
+  if (!rig) return FailWith("validate", rig.error());
+  ReportInput(*run, rig->report);
+  fmt::print("{}", request.json ? ReportText(rig->report) : VerdictText(rig->report));
+  return rig->report.validation.verdict == Verdict::kAccepted ? kExitAccepted : kExitNotAccepted;
+}
+
+}  // namespace
+
+void AddRefineCommand(CLI::App& app, CommandSession& session) {
+  CLI::App* command = app.add_subcommand("refine", "Correct roughly right cameras from photographs");
+  auto request = std::make_shared<RunRequest>();
+  AddRunOptions(*command, *request);
+  command->add_option("--out", request->out, "Folder for the results")->required();
+  command->add_option("--intrinsics", request->intrinsics, "per-camera, fixed or per-view")
+      ->check(CLI::IsMember({"per-camera", "fixed", "per-view"}));
+  command->add_option("--fix-cameras", request->fixed_cameras, "Cameras (or views) that stay as they are")
+      ->delimiter(',');
+  command->add_option("--method", request->method, "rigcal, or paper: the recipe as printed")
+      ->check(CLI::IsMember({"rigcal", "paper"}));
+  command->add_option("--rounds", request->num_rounds, "Rounds of stereo, matching, adjustment")
+      ->check(CLI::Range(1, 20));
+  command->add_option("--holdout", request->holdout_share, "Share of the tracks kept to judge the result")
+      ->check(CLI::Range(0.05, 0.5));
+  command->callback([request, &session] { session.exit_status = Refine(*request, session); });
+}
+
+void AddValidateCommand(CLI::App& app, CommandSession& session) {
+  CLI::App* command = app.add_subcommand("validate", "The verdict alone, on cameras from anywhere");
+  auto request = std::make_shared<RunRequest>();
+  request->intrinsics = "per-view";
+  AddRunOptions(*command, *request);
+  command->add_option("--prior", request->prior, "The cameras of before, to judge the distance from");
+  command->callback([request, &session] { session.exit_status = ValidateCameras(*request, session); });
+}
+
+}  // namespace rigcal

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "config/load_cameras.h"
+#include "config/load_images.h"
+#include "config/provenance.h"
+#include "daemon/calibration_run.h"
+#include "daemon/cli/command.h"
+#include "daemon/cli/mask_options.h"
+
+namespace rigcal {
+
+/// What `refine` and `validate` are asked for, as given on the command line.
+struct RunRequest {
+  std::filesystem::path images;
+  std::filesystem::path cameras;
+  std::filesystem::path out;    ///< refine only
+  std::filesystem::path prior;  ///< validate only; empty: none
+  std::optional<double> expected_error_px;
+  MaskRequest masks;
+  std::string camera_from_name;
+  std::string intrinsics = "per-camera";
+  double aspect = CameraPrior{}.aspect;
+  double aspect_sigma = CameraPrior{}.aspect_sigma;
+  std::vector<std::string> fixed_cameras;
+  std::string method = "rigcal";
+  int num_rounds = RefineOptions{}.num_rounds;
+  double holdout_share = RefineOptions{}.holdout_share;
+  std::uint64_t random_seed = RefineOptions{}.random_seed;
+  int num_threads = 0;  ///< 0: one for each processor
+  bool json = false;
+};
+
+/// Declares the options that both commands have.
+void AddRunOptions(CLI::App& command, RunRequest& request);
+
+/// Everything that a run needs, read and checked.
+struct PreparedRun {
+  LoadedCameras cameras;
+  LoadedImages images;
+  RefineOptions options;
+  Provenance provenance;
+};
+
+/// Reads cameras and pictures. Errors: those of LoadCameras and LoadImages; kNotFound for a camera to be fixed that
+/// does not exist.
+Result<PreparedRun> PrepareRun(const RunRequest& request, RunContext& context);
+
+/// Completes a report with what was learnt while reading.
+void ReportInput(const PreparedRun& run, RunReport& report);
+
+/// The verdict in a few lines, for people.
+std::string VerdictText(const RunReport& report);
+
+/// Prints an error as "rigcal COMMAND: sentence" and gives its exit status.
+int FailWith(const char* command, const Error& error);
+
+}  // namespace rigcal

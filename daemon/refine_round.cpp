@@ -1,0 +1,213 @@
+#include "daemon/refine_round.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/base/random.h"
+#include "core/image/sharpness.h"
+#include "core/scene/expected_error.h"
+#include "core/validate/compare.h"
+
+namespace rigcal {
+namespace {
+
+/// Below this level stereo costs four times as much a level and gains nothing (DESIGN.md section 3, point 6).
+constexpr int kFinestLevel = 2;
+/// Shorter side of the smallest picture on which stereo can still find its way (DESIGN.md section 3, point 7: at 80 x
+/// 60 pixels it starts poorly).
+constexpr int kSmallestSidePx = 100;
+/// Er from which on plain feature tracks are asked first. Below, stereo at the finest level finds its way alone.
+constexpr double kApproachFromErrorPx = 4;
+/// Plain features that a view must have for its Er to follow from their residuals.
+constexpr int kMinApproachFeatures = 25;
+/// Er is a bound (mean + 3 sigma, at least a pixel of the level), stereo searches around a mean. With 1 px instead of
+/// the bound's 4 px, stereo on the plaster turntable found 1.6 times as many patches in a quarter of the time.
+constexpr double kStereoErrorPx = 1;
+/// Mean motion at the object between two rounds below which another round changes nothing that counts.
+constexpr double kConvergedPx = 0.05;
+constexpr int kMinRounds = 2;
+/// Points that the motion between two rounds is measured on.
+constexpr std::size_t kNumMotionPoints = 500;
+/// The paper's share of features kept by sub-sampling (section 3.1: ten to twenty percent), and its blocks.
+constexpr int kPaperBlocksPerSide = 10;
+
+int CoarsestLevel(const ImageSet& images) {
+  int coarsest = images.NumLevels() - 1;
+  for (const ViewImages& view : images.views) {
+    const cv::Size size = view.SizePx();
+    while (coarsest > 0 && (std::min(size.width, size.height) >> coarsest) < kSmallestSidePx) --coarsest;
+  }
+  return coarsest;
+}
+
+int LevelFor(const ImageSet& images, const std::vector<double>& expected_error_px, RefineMethod method) {
+  const double largest = *std::max_element(expected_error_px.begin(), expected_error_px.end());
+  const int finest = method == RefineMethod::kPaper ? 0 : kFinestLevel;
+  const int coarsest = CoarsestLevel(images);
+  return std::clamp(PyramidLevel(largest), std::min(finest, coarsest), coarsest);
+}
+
+/// Mean motion of the pictures of the tracks' points between two rounds, after the best similarity.
+double MotionPx(const RigCalibration& before, const Adjustment& adjustment) {
+  const auto& tracks = adjustment.tracks.tracks;
+  const std::size_t step = std::max<std::size_t>(1, tracks.size() / kNumMotionPoints);
+  std::vector<ComparePoint> points;
+  for (std::size_t i = 0; i < tracks.size(); i += step) {
+    ComparePoint point{.x_in_world = tracks[i].x_in_world};
+    for (const Observation& o : tracks[i].observations) point.views.push_back(o.view);
+    points.push_back(point);
+  }
+  const auto compared = CompareCameras(adjustment.calibration, before, points, CompareAlignment::kSimilarity);
+  return compared ? compared->mean_px : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+Result<RefineState> BeginRefinement(const ImageSet& images, const RigCalibration& seed, const RefineOptions& options,
+                                    RunContext& context, RunReport& report) {
+  RefineState state{.calibration = seed};
+  state.calibration.covariance.reset();
+  if (options.expected_error_px) {
+    state.initial_error_px = *options.expected_error_px;
+  } else {
+    const auto estimate = context.Time(
+        "estimate", -1, [&](const Execution& execution) { return EstimateExpectedError(images, seed, execution); });
+    if (!estimate) return Fail(estimate.error());
+    state.initial_error_px = estimate->overall_px;
+    report.notes.push_back(fmt::format("expected error estimated from {} feature matches: {:.2f} px",
+                                       estimate->num_matches, estimate->overall_px));
+  }
+  state.expected_error_px.assign(seed.views.size(), state.initial_error_px);
+  state.level = LevelFor(images, state.expected_error_px, options.method);
+  report.method = options.method == RefineMethod::kPaper ? "paper" : "rigcal";
+  report.expected_error_px = state.initial_error_px;
+  report.expected_error_estimated = !options.expected_error_px;
+  report.level = state.level;
+  return state;
+}
+
+StereoOptions StereoOptionsFor(const ImageSet& /*images*/, const RefineState& state) {
+  StereoOptions stereo;
+  stereo.level = state.level;
+  stereo.expected_error_px = state.expected_error_px;
+  const double finest_px = std::ldexp(1.0, state.level);
+  for (double& error_px : stereo.expected_error_px) {
+    if (error_px <= finest_px && error_px < state.initial_error_px) error_px = kStereoErrorPx;
+  }
+  return stereo;
+}
+
+MatchOptions MatchOptionsFor(const RefineState& state, const RefineOptions& options) {
+  MatchOptions match;
+  match.level = state.level;
+  match.expected_error_px = state.expected_error_px;
+  match.random_seed = DeriveSeed(options.random_seed, static_cast<std::uint64_t>(state.round));
+  if (options.method == RefineMethod::kPaper) {
+    match.min_ncc = 0;
+    match.blocks_per_side = kPaperBlocksPerSide;
+    match.min_features_per_view = 0;
+  }
+  return match;
+}
+
+AdjustOptions AdjustOptionsFor(const RefineState& state, const RigCalibration& seed, const RefineOptions& options) {
+  AdjustOptions adjust;
+  adjust.estimate_covariance = state.round + 1 >= std::min(kMinRounds, options.num_rounds);
+  if (options.method == RefineMethod::kPaper) {
+    adjust.paper = true;
+    adjust.intrinsics = IntrinsicsMode::kPerView;
+    adjust.cauchy_scale_px = 0;
+    adjust.min_expected_error_px = 0;
+    adjust.min_features_per_view = 0;
+    return adjust;
+  }
+  adjust.intrinsics = options.intrinsics;
+  adjust.min_expected_error_px = std::ldexp(1.0, state.level);
+  adjust.camera_priors = options.camera_priors;
+  adjust.noise.weight_by_covariance = true;
+  adjust.seed_prior = SeedPrior{.seed = seed, .expected_error_px = state.initial_error_px};
+  adjust.fixed_views = options.fixed_views;
+  return adjust;
+}
+
+bool WantsApproach(const RefineState& state, const RefineOptions& options) {
+  return options.method == RefineMethod::kRigcal && state.initial_error_px >= kApproachFromErrorPx;
+}
+
+SparseMatchOptions SparseOptionsFor(const RefineState& state, const RefineOptions& options) {
+  SparseMatchOptions sparse;
+  sparse.expected_error_px = state.expected_error_px;
+  sparse.random_seed = options.random_seed;
+  return sparse;
+}
+
+AdjustOptions ApproachOptionsFor(const RefineState& state, const RigCalibration& seed, const RefineOptions& options) {
+  AdjustOptions adjust = AdjustOptionsFor(state, seed, options);
+  adjust.min_expected_error_px = std::ldexp(1.0, std::min(state.level, kFinestLevel));
+  adjust.min_features_per_view = kMinApproachFeatures;
+  adjust.estimate_covariance = false;
+  return adjust;
+}
+
+void Approach(RefineState& state, const Adjustment& adjustment, const ImageSet& images, const RefineOptions& options) {
+  Advance(state, adjustment, images, options);
+  state.round = 0;
+}
+
+bool Converged(const RefineState& state, const RefineOptions& options) {
+  if (state.round >= options.num_rounds) return true;
+  return options.method == RefineMethod::kRigcal && state.round >= kMinRounds && state.moved_px < kConvergedPx;
+}
+
+void Advance(RefineState& state, const Adjustment& adjustment, const ImageSet& images, const RefineOptions& options) {
+  state.moved_px = MotionPx(state.calibration, adjustment);
+  state.calibration = adjustment.calibration;
+  state.expected_error_px = adjustment.report.expected_error_px;
+  // L is fixed in the paper; here it may fall (DESIGN.md section 3, point 6) but never rises.
+  if (options.method == RefineMethod::kRigcal) {
+    state.level = std::min(state.level, LevelFor(images, state.expected_error_px, options.method));
+  }
+  ++state.round;
+}
+
+void ReportRound(const RefineState& state, std::size_t num_patches, const AdjustReport& adjusted, RunReport& report) {
+  report.rounds.push_back({.level = state.level,
+                           .num_patches = static_cast<int>(num_patches),
+                           .num_tracks = adjusted.num_tracks,
+                           .num_observations = adjusted.num_observations,
+                           .reprojection_mean_px = adjusted.reprojection_mean_px,
+                           .reprojection_std_px = adjusted.reprojection_std_px,
+                           .expected_error_px = state.expected_error_px});
+}
+
+ValidationInput EvidenceFor(const ImageSet& images, const RigCalibration& calibration, const TrackSet& tracks,
+                            const std::optional<RigCalibration>& prior, double expected_error_px,
+                            const RefineOptions& options) {
+  ValidationInput input{.calibration = calibration,
+                        .tracks = tracks,
+                        .prior = prior,
+                        .expected_error_px = expected_error_px,
+                        .camera_priors = options.camera_priors};
+  for (const ViewImages& view : images.views) input.sharpness.push_back(Sharpness(view.gray[0], view.mask));
+  return input;
+}
+
+void ReportOutcome(const RigCalibration& calibration, const TrackSet& tracks, const ValidationReport& validation,
+                   RunReport& report) {
+  report.validation = validation;
+  report.views_per_track.assign(calibration.views.size() + 1, 0);
+  for (const Track& track : tracks.tracks) ++report.views_per_track[track.observations.size()];
+  report.cameras.clear();
+  for (int c = 0; c < calibration.NumCameras(); ++c) {
+    CameraReport camera{.camera = calibration.cameras[c]};
+    if (calibration.covariance) {
+      const int row = CalibrationCovariance::IntrinsicsRow(c);
+      const auto variances = calibration.covariance->joint.diagonal().segment<kNumIntrinsics>(row);
+      camera.sigma = variances.cwiseMax(0).cwiseSqrt();
+    }
+    report.cameras.push_back(camera);
+  }
+}
+
+}  // namespace rigcal
