@@ -21,6 +21,7 @@ Result<void> ApproachRig(const ImageSet& images, const RigCalibration& seed, con
     return Adjust(state.calibration, *tracks, state.expected_error_px, ApproachOptionsFor(state, seed, options),
                   execution);
   });
+  if (!adjusted && adjusted.error().code == ErrorCode::kBadInput) return {};  // too few: stereo starts from the seed
   if (!adjusted) return Fail(adjusted.error());
   Approach(state, *adjusted, images, options);
   return {};
@@ -60,6 +61,12 @@ Result<RefinedRig> RefineRig(const ImageSet& images, const RigCalibration& seed,
       return Adjust(state->calibration, *tracks, state->expected_error_px, AdjustOptionsFor(*state, seed, options),
                     execution);
     });
+    if (!adjusted && adjusted.error().code == ErrorCode::kBadInput) {
+      // Nothing to adjust with is a finding, not a failure: the verdict names the views without support.
+      rig.report.notes.push_back(adjusted.error().message);
+      rig.tracks = std::move(*tracks);
+      break;
+    }
     if (!adjusted) return Fail(adjusted.error());
 
     ReportRound(*state, patches->size(), adjusted->report, rig.report);

@@ -1,0 +1,132 @@
+#!/usr/bin/env python3
+"""The main job on a small simulated turntable with truth: it must get near the truth and be accepted, give the same bytes
+with one thread and two, stop within a second, and name the view when one of them is spoilt. end_to_end.py --rigcal BIN"""
+import argparse
+import hashlib
+import json
+import pathlib
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+import cv2
+import numpy
+
+MAX_TRUTH_ERROR_PX = 0.15  # seen: 0.03 to 0.08 px at this size
+STOP_WITHIN_S = 1.0        # what a person at the terminal expects
+
+
+class Bench:
+    def __init__(self, rigcal, root):
+        self.rigcal = rigcal
+        self.root = root
+        self.failures = 0
+        subprocess.run([rigcal, "sim", "render", "--scene", "textured", "--motion", "turntable", "--cameras", "1", "--stops",
+                        "12", "--width", "640", "--height", "480", "--random-seed", "1", "--out", str(root / "set")],
+                       check=True, capture_output=True)
+
+    def check(self, name, good, what):
+        self.failures += not good
+        print(f"{'ok  ' if good else 'FAIL'} {name}: {what}", flush=True)
+
+    def command(self, images, out, *more):
+        return [self.rigcal, "refine", "--images", str(images), "--cameras", str(self.root / "set/start_6px_par.txt"), "--out",
+                str(out), "--expected-error-px", "7", "--aspect-sigma", "0.001"] + list(more)
+
+    def refine(self, images, out, *more):
+        done = subprocess.run(self.command(images, out, *more), capture_output=True, text=True, timeout=300)
+        report = json.loads((out / "report.json").read_text()) if (out / "report.json").exists() else None
+        return done, report
+
+
+def digests(folder):
+    return {p.name: hashlib.sha256(p.read_bytes()).hexdigest() for p in sorted(folder.iterdir()) if p.name != "timing.json"}
+
+
+def truth_is_found(bench):
+    done, report = bench.refine(bench.root / "set", bench.root / "two", "--threads", "2")
+    compare = subprocess.run([bench.rigcal, "compare", "--reference", str(bench.root / "set/truth_par.txt"), "--estimate",
+                              str(bench.root / "two/calibration.json"), "--points", str(bench.root / "set/points.txt"),
+                              "--json"], capture_output=True, text=True, check=True)
+    error_px = json.loads(compare.stdout)["mean_px"]
+    bench.check("truth", done.returncode == 0 and report["verdict"] == "accepted" and error_px < MAX_TRUTH_ERROR_PX,
+                f"status {done.returncode}, {report['verdict']}, {error_px:.3f} px (limit {MAX_TRUTH_ERROR_PX})")
+
+
+def threads_do_not_matter(bench):
+    bench.refine(bench.root / "set", bench.root / "one", "--threads", "1")
+    one, two = digests(bench.root / "one"), digests(bench.root / "two")
+    differing = [name for name in two if one.get(name) != two[name]]
+    bench.check("threads", len(two) == 4 and not differing, f"{len(two)} files, differing: {differing or 'none'}")
+
+
+def it_stops(bench):
+    out = bench.root / "stopped"
+    process = subprocess.Popen(bench.command(bench.root / "set", out), stderr=subprocess.PIPE, stdout=subprocess.PIPE)
+    time.sleep(2.0)
+    begin = time.monotonic()
+    process.send_signal(signal.SIGINT)
+    process.wait(timeout=30)
+    seconds = time.monotonic() - begin
+    left = [p.name for p in out.iterdir()]
+    bench.check("stop", seconds < STOP_WITHIN_S and process.returncode != 0 and not left,
+                f"{seconds:.2f} s after the signal, status {process.returncode}, left behind {left}")
+
+
+def names_view(bench, case, spoil, views):
+    folder = bench.root / case
+    shutil.copytree(bench.root / "set", folder)
+    names = sorted(p.name for p in folder.glob("cam0_*.png"))
+    spoil([folder / name for name in names])
+    done, report = bench.refine(folder, bench.root / f"{case}-out")
+    if report is None:
+        bench.check(case, False, f"status {done.returncode}, no report: {done.stderr.strip()}")
+        return
+    named = {reason.get("view") for reason in report["reasons"]}
+    bench.check(case, done.returncode == 3 and all(names[v] in named for v in views),
+                f"status {done.returncode}, {report['verdict']}, names {sorted(n for n in named if n)}")
+
+
+def black(paths):
+    for path in paths:
+        cv2.imwrite(str(path), numpy.zeros_like(cv2.imread(str(path))))
+
+
+def blur_third(paths):
+    cv2.imwrite(str(paths[3]), cv2.GaussianBlur(cv2.imread(str(paths[3])), (0, 0), 3.0))
+
+
+def swap_two(paths):
+    a, b = paths[2].read_bytes(), paths[7].read_bytes()
+    paths[2].write_bytes(b)
+    paths[7].write_bytes(a)
+
+
+def shift_fifth(paths):
+    picture = cv2.imread(str(paths[5]))
+    cv2.imwrite(str(paths[5]), cv2.warpAffine(picture, numpy.float32([[1, 0, 60], [0, 1, 0]]), picture.shape[1::-1]))
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--rigcal", required=True)
+    root = pathlib.Path(tempfile.mkdtemp(prefix="rigcal-end-to-end-"))
+    try:
+        bench = Bench(parser.parse_args().rigcal, root)
+        truth_is_found(bench)
+        threads_do_not_matter(bench)
+        it_stops(bench)
+        names_view(bench, "black", black, range(12))
+        names_view(bench, "blurred", blur_third, [3])
+        names_view(bench, "swapped", swap_two, [2, 7])
+        names_view(bench, "shifted", shift_fifth, [5])
+    finally:
+        shutil.rmtree(root)
+    sys.exit(1 if bench.failures else 0)
+
+
+if __name__ == "__main__":
+    main()
