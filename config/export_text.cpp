@@ -42,7 +42,9 @@ cv::Mat1d ToMat(const Eigen::Matrix<double, kRows, kColumns>& matrix) {
 
 void WriteCamera(const Camera& camera, cv::FileStorage& file) {
   file << "{"
-       << "id" << camera.id << "image_width" << camera.width_px << "image_height" << camera.height_px;
+       << "id" << camera.id;
+  if (camera.width_px > 0 && camera.height_px > 0)
+    file << "image_width" << camera.width_px << "image_height" << camera.height_px;
   file << "camera_matrix" << ToMat(camera.CalibrationMatrix());
   file << "distortion_coefficients" << (cv::Mat1d(1, 5) << camera.k1, camera.k2, camera.p1, camera.p2, camera.k3);
   file << "}";

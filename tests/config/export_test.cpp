@@ -159,6 +159,7 @@ TEST(Export, OpenCvReadByOpenCv) {
   const cv::FileStorage file(path.string(), cv::FileStorage::READ);
   const cv::FileNode cameras = file["cameras"], views = file["views"];
   ASSERT_EQ(views.size(), 5U);
+  EXPECT_EQ(static_cast<int>(cameras[0]["image_width"]), 64);
   std::vector<cv::Point3d> points;
   for (const Eigen::Vector3d& point : ObjectPoints()) points.emplace_back(point.x(), point.y(), point.z());
   for (int v = 0; v < 5; ++v) {
