@@ -18,7 +18,7 @@ enum Layer { kObjectLayer = kObjectMesh, kTableLayer = kTableMesh, kWallLayer, k
 /// Samples of one row that fell on one material.
 struct Samples {
   std::vector<float> x, y, z;     ///< place in the frame of the material: world, or stage for the walls
-  std::vector<float> nx, ny, nz;  ///< normal in the world, any length
+  std::vector<float> nx, ny, nz;  ///< normal in the world, any length; none for the walls
   std::vector<int> column;
   std::vector<float> reflectance, light;
 
@@ -73,30 +73,31 @@ class RowRenderer {
     }
   }
 
-  /// Columns [first, last) of one row; the rest is background.
+  /// One row; only its columns [first, last) can show meshes.
   void Render(int row, int first, int last, RenderedView& out) {
     for (Samples& samples : layers_) samples.Clear();
-    MakeCornerRays(row, first, last);
-    ShootRow(first, last);
+    missed_.assign(camera_.width_px, side_ * side_);
+    if (first < last) {
+      MakeCornerRays(row, first, last);
+      ShootRow(first, last);
+    }
     float* radiance = out.radiance.ptr<float>(row);
     float* coverage = out.coverage.ptr<float>(row);
     const float share = 1.0f / static_cast<float>(side_ * side_);
-    const bool walls = studio_.options.surroundings == Surroundings::kBackdrop;
-    std::fill(radiance + first, radiance + last, walls ? 0.0f : kClothRadiance);
-    const std::array<const Material*, kNumLayers> materials = {&studio_.object, &studio_.table_top, &studio_.walls};
-    for (int layer = 0; layer < kNumLayers; ++layer) {
+    std::fill(radiance, radiance + camera_.width_px, 0.0f);
+    for (const Layer layer : {kObjectLayer, kTableLayer}) {
       Samples& samples = layers_[layer];
-      Reflect(*materials[layer], samples);
-      if (layer == kWallLayer) {
-        samples.light.assign(samples.column.size(), kWallLight);
-      } else {
-        Illuminate(lights_, static_cast<float>(studio_.ambient), samples);
-      }
-      const float background = walls ? 0.0f : kClothRadiance;
+      Reflect(layer == kObjectLayer ? studio_.object : studio_.table_top, samples);
+      Illuminate(lights_, static_cast<float>(studio_.ambient), samples);
       for (std::size_t i = 0; i < samples.column.size(); ++i) {
-        radiance[samples.column[i]] += share * (samples.reflectance[i] * samples.light[i] - background);
-        if (layer != kWallLayer) coverage[samples.column[i]] += share;
+        radiance[samples.column[i]] += share * samples.reflectance[i] * samples.light[i];
+        coverage[samples.column[i]] += share;
       }
+    }
+    if (studio_.options.surroundings == Surroundings::kBlack) {
+      for (int c = 0; c < camera_.width_px; ++c) radiance[c] += share * static_cast<float>(missed_[c]) * kClothRadiance;
+    } else {
+      AddWalls(row, radiance);
     }
   }
 
@@ -143,26 +144,39 @@ class RowRenderer {
 
   /// Puts one ray's sample to its material.
   void Sort(const RayPacket& packet, int i, int column) {
+    if (packet.mesh[i] == kMissed) return;
+    --missed_[column];
     const Vector3d along(packet.direction_x[i], packet.direction_y[i], packet.direction_z[i]);
-    Vector3d place;
-    int layer = packet.mesh[i];
-    if (layer != kMissed) {
-      place = world_from_cam_.translation + static_cast<double>(packet.distance[i]) * along;
-    } else if (studio_.options.surroundings == Surroundings::kBackdrop) {
-      layer = kWallLayer;
-      place = WallInStage(along);
-    } else {
-      return;
-    }
-    Samples& samples = layers_[layer];
+    const Vector3d place = world_from_cam_.translation + static_cast<double>(packet.distance[i]) * along;
+    Samples& samples = layers_[packet.mesh[i]];
     samples.x.push_back(static_cast<float>(place.x()));
     samples.y.push_back(static_cast<float>(place.y()));
     samples.z.push_back(static_cast<float>(place.z()));
     samples.column.push_back(column);
-    if (layer == kWallLayer) return;
     samples.nx.push_back(packet.normal_x[i]);
     samples.ny.push_back(packet.normal_y[i]);
     samples.nz.push_back(packet.normal_z[i]);
+  }
+
+  /// The walls are smooth from pixel to pixel: one sample at each pixel's centre, for all rays that met nothing else.
+  void AddWalls(int row, float* radiance) {
+    Samples& samples = layers_[kWallLayer];
+    for (int c = 0; c < camera_.width_px; ++c) {
+      if (missed_[c] == 0) continue;
+      const auto ray = RayInCam(camera_, {static_cast<double>(c), static_cast<double>(row)});
+      Ensure(ray.has_value(), "the distortion can be inverted all over the picture");
+      const Vector3d place = WallInStage(world_from_cam_.rotation * *ray);
+      samples.x.push_back(static_cast<float>(place.x()));
+      samples.y.push_back(static_cast<float>(place.y()));
+      samples.z.push_back(static_cast<float>(place.z()));
+      samples.column.push_back(c);
+    }
+    Reflect(studio_.walls, samples);
+    for (std::size_t i = 0; i < samples.column.size(); ++i) {
+      const int c = samples.column[i];
+      const float share = static_cast<float>(missed_[c]) / static_cast<float>(side_ * side_);
+      radiance[c] += share * kWallLight * samples.reflectance[i];
+    }
   }
 
   [[nodiscard]] Vector3d WallInStage(const Vector3d& along_in_world) const {
@@ -180,18 +194,20 @@ class RowRenderer {
   std::vector<LightInWorld> lights_;
   std::array<std::vector<Vector3d>, 2> corners_;
   std::array<Samples, kNumLayers> layers_;
+  std::vector<int> missed_;  ///< per column: rays that met no mesh
 };
 
-/// The part of the picture that can show the object; all of it where there are walls.
+/// The part of the picture that can show meshes.
 cv::Rect Extent(const Studio& studio, int view) {
   const Camera& camera = studio.truth.CameraOf(view);
   const cv::Rect whole(0, 0, camera.width_px, camera.height_px);
-  if (studio.options.surroundings == Surroundings::kBackdrop) return whole;
   Eigen::AlignedBox2d box;
-  for (const Eigen::Vector3f& x : studio.rays.Meshes()[kObjectMesh].vertices_in_world) {
-    const auto x_px = Project(camera, studio.truth.views[view].cam_from_world * x.cast<double>());
-    if (!x_px) return whole;
-    box.extend(*x_px);
+  for (const TriangleMesh& mesh : studio.rays.Meshes()) {
+    for (const Eigen::Vector3f& x : mesh.vertices_in_world) {
+      const auto x_px = Project(camera, studio.truth.views[view].cam_from_world * x.cast<double>());
+      if (!x_px) return whole;
+      box.extend(*x_px);
+    }
   }
   const Eigen::Array2i low = box.min().array().floor().cast<int>() - 2;
   const Eigen::Array2i high = box.max().array().ceil().cast<int>() + 3;
@@ -208,12 +224,16 @@ Result<RenderedView> RenderView(const Studio& studio, int view, int samples_per_
   RenderedView out{cv::Mat1f(camera.height_px, camera.width_px, kClothRadiance),
                    cv::Mat1f(camera.height_px, camera.width_px, 0.0f)};
   const cv::Rect extent = Extent(studio, view);
-  const int tasks = (extent.height + kRowsPerTask - 1) / kRowsPerTask;
+  const bool walls = studio.options.surroundings == Surroundings::kBackdrop;
+  const int begin = walls ? 0 : extent.y, end = walls ? camera.height_px : extent.y + extent.height;
+  const int tasks = (end - begin + kRowsPerTask - 1) / kRowsPerTask;
   const bool done = ParallelFor(execution, tasks, [&](int task) {
     RowRenderer renderer(studio, view, samples_per_side);
-    const int first = extent.y + task * kRowsPerTask;
-    const int last = std::min(first + kRowsPerTask, extent.y + extent.height);
-    for (int row = first; row < last; ++row) renderer.Render(row, extent.x, extent.x + extent.width, out);
+    const int first = begin + task * kRowsPerTask;
+    for (int row = first; row < std::min(first + kRowsPerTask, end); ++row) {
+      const bool shows_meshes = row >= extent.y && row < extent.y + extent.height;
+      renderer.Render(row, extent.x, shows_meshes ? extent.x + extent.width : extent.x, out);
+    }
   });
   if (!done) return Cancelled("rendering");
   return out;
