@@ -4,6 +4,10 @@
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
+#include <atomic>
+
+#include "core/base/ensure.h"
+
 namespace rigcal {
 
 bool ParallelFor(const Execution& execution, int count, const std::function<void(int)>& body) {
@@ -18,6 +22,7 @@ bool ParallelFor(const Execution& execution, int count, const std::function<void
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(execution.num_threads));
   tbb::task_arena arena(execution.num_threads);
+  std::atomic<int> num_done = 0;
   arena.execute([&] {
     tbb::parallel_for(
         tbb::blocked_range<int>(0, count, 1),
@@ -25,11 +30,14 @@ bool ParallelFor(const Execution& execution, int count, const std::function<void
           for (int i = range.begin(); i < range.end(); ++i) {
             if (execution.Stopped()) return;
             body(i);
+            ++num_done;
           }
         },
         tbb::simple_partitioner());
   });
-  return !execution.Stopped();
+  const bool stopped = execution.Stopped();
+  Ensure(stopped || num_done == count, "a parallel loop ran whole");
+  return !stopped;
 }
 
 }  // namespace rigcal
