@@ -57,11 +57,26 @@ void ExpectFound(const Shots& shots, Background background, double least_iou) {
   }
 }
 
+/// For parts that are only a few pixels thick, where a pixel along the rim decides over the intersection: nothing of
+/// the object is lost, and what is too much lies within `rim_px` of it.
+void ExpectWithinRim(const Shots& shots, Background background, int rim_px) {
+  constexpr double kMaxLost = 0.005, kMaxBeyondRim = 0.005;
+  const Silhouettes found = FindSilhouettes(shots.pictures);
+  ASSERT_EQ(found.background, background);
+  for (std::size_t i = 0; i < shots.pictures.size(); ++i) {
+    const cv::Mat1b& truth = shots.truth[i];
+    cv::Mat1b grown;
+    cv::dilate(truth, grown, cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * rim_px + 1, 2 * rim_px + 1}));
+    EXPECT_LT(cv::countNonZero(truth & ~found.masks[i]), kMaxLost * cv::countNonZero(truth)) << "picture " << i;
+    EXPECT_LT(cv::countNonZero(found.masks[i] & ~grown), kMaxBeyondRim * cv::countNonZero(truth)) << "picture " << i;
+  }
+}
+
 TEST(FindSilhouettes, DarkClothBehindEveryKindOfObject) {
   using enum sim::Scene;
   ExpectFound(Render(kTextured, sim::Surroundings::kBlack, sim::Motion::kTurntable), Background::kDark, 0.93);
   ExpectFound(Render(kPlaster, sim::Surroundings::kBlack, sim::Motion::kTurntable), Background::kDark, 0.93);
-  ExpectFound(Render(kThin, sim::Surroundings::kBlack, sim::Motion::kGantry), Background::kDark, 0.90);
+  ExpectWithinRim(Render(kThin, sim::Surroundings::kBlack, sim::Motion::kGantry), Background::kDark, 2);
 }
 
 TEST(FindSilhouettes, StaticBackdropBehindATurningTable) {
