@@ -8,10 +8,18 @@
 namespace rigcal {
 namespace {
 
-cv::Mat1f Blurred(const cv::Mat1f& image, double sigma_px) {
-  cv::Mat1f blurred;
-  cv::GaussianBlur(image, blurred, cv::Size(0, 0), sigma_px, sigma_px, cv::BORDER_REFLECT);
-  return blurred;
+cv::Mat1f Smoothed(const cv::Mat1f& image, double sigma_px) {
+  cv::Mat1f smoothed;
+  cv::GaussianBlur(image, smoothed, cv::Size(0, 0), sigma_px, sigma_px, cv::BORDER_REFLECT);
+  return smoothed;
+}
+
+/// Smoothed over the pixels of weight 1 alone: nothing of the background comes in. Meaningful where the weight is 1.
+cv::Mat1f SmoothedInside(const cv::Mat1f& image, const cv::Mat1f& weight, double sigma_px) {
+  cv::Mat1f weighted, smoothed;
+  cv::multiply(image, weight, weighted);
+  cv::divide(Smoothed(weighted, sigma_px), Smoothed(weight, sigma_px), smoothed);
+  return smoothed;
 }
 
 double BandEnergy(const cv::Mat1f& finer, const cv::Mat1f& coarser, const cv::Mat1b& inside) {
@@ -24,7 +32,7 @@ double BandEnergy(const cv::Mat1f& finer, const cv::Mat1f& coarser, const cv::Ma
 
 double Sharpness(const cv::Mat1f& gray, const cv::Mat1b& mask) {
   constexpr double kFineSigmaPx = 1, kFineEndSigmaPx = 2, kCoarseSigmaPx = 4, kCoarseEndSigmaPx = 8;
-  constexpr int kRimPx = 12;             // the coarse band sees the background up to here (1.5 sigmas)
+  constexpr int kRimPx = 3;              // pixels that mix object and background, and a mask that is not exact
   constexpr int kMinPixels = 1000;       // below, a few spots decide
   constexpr double kMinContrast = 1e-3;  // a quarter of a grey value of 255: no texture but noise
   Ensure(mask.empty() || mask.size() == gray.size(), "a mask has the size of its picture");
@@ -35,8 +43,11 @@ double Sharpness(const cv::Mat1f& gray, const cv::Mat1b& mask) {
     cv::erode(mask >= 128, inside, disc, cv::Point(-1, -1), 1, cv::BORDER_CONSTANT, cv::Scalar(0));
     if (cv::countNonZero(inside) < kMinPixels) return 0;
   }
-  const double fine = BandEnergy(Blurred(gray, kFineSigmaPx), Blurred(gray, kFineEndSigmaPx), inside);
-  const double coarse = BandEnergy(Blurred(gray, kCoarseSigmaPx), Blurred(gray, kCoarseEndSigmaPx), inside);
+  cv::Mat1f weight;
+  inside.convertTo(weight, CV_32F, 1.0 / 255);
+  const auto smoothed = [&](double sigma_px) { return SmoothedInside(gray, weight, sigma_px); };
+  const double fine = BandEnergy(smoothed(kFineSigmaPx), smoothed(kFineEndSigmaPx), inside);
+  const double coarse = BandEnergy(smoothed(kCoarseSigmaPx), smoothed(kCoarseEndSigmaPx), inside);
   if (!(coarse > kMinContrast * kMinContrast)) return 0;
   return std::sqrt(fine / coarse);
 }

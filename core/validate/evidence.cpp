@@ -26,6 +26,7 @@ class PinholeViews {
     for (int j = 0; j < calibration.NumViews(); ++j) {
       px_from_world_.push_back(
           ProjectionMatrix(Undistorted(calibration.CameraOf(j)), calibration.views[j].cam_from_world, 0));
+      world_from_px_.push_back(px_from_world_.back().leftCols<3>().inverse());
     }
   }
 
@@ -75,16 +76,13 @@ class PinholeViews {
     return 0.5 * (j * by_information).trace();
   }
 
-  /// The widest angle between two rays of the features, the one at `left_out` aside.
-  [[nodiscard]] double WidestAngleRad(const std::vector<PinholeFeature>& features, int left_out) const {
-    double smallest_cosine = 1;
-    for (int a = 0; a < static_cast<int>(features.size()); ++a) {
-      for (int b = 0; b < a; ++b) {
-        if (a == left_out || b == left_out) continue;
-        smallest_cosine = std::min(smallest_cosine, RayInWorld(features[a]).dot(RayInWorld(features[b])));
-      }
+  /// Unit directions from the cameras towards the features.
+  [[nodiscard]] std::vector<Eigen::Vector3d> RaysInWorld(const std::vector<PinholeFeature>& features) const {
+    std::vector<Eigen::Vector3d> rays;
+    for (const PinholeFeature& f : features) {
+      rays.push_back((world_from_px_[f.view] * f.x_px.homogeneous()).normalized());
     }
-    return std::acos(std::clamp(smallest_cosine, -1.0, 1.0));
+    return rays;
   }
 
  private:
@@ -95,14 +93,21 @@ class PinholeViews {
     return (p.topLeftCorner<2, 3>() - x_px * p.block<1, 3>(2, 0)) / q.z();
   }
 
-  [[nodiscard]] Eigen::Vector3d RayInWorld(const PinholeFeature& feature) const {
-    const Eigen::Vector3d ray = px_from_world_[feature.view].leftCols<3>().inverse() * feature.x_px.homogeneous();
-    return ray.normalized();
-  }
-
   const RigCalibration& calibration_;
   std::vector<Eigen::Matrix<double, 3, 4>> px_from_world_;
+  std::vector<Eigen::Matrix3d> world_from_px_;  ///< directions only
 };
+
+/// The widest angle between two rays, the one at `left_out` aside.
+double WidestAngleRad(const std::vector<Eigen::Vector3d>& rays, int left_out) {
+  double smallest_cosine = 1;
+  for (int a = 0; a < static_cast<int>(rays.size()); ++a) {
+    for (int b = 0; b < a; ++b) {
+      if (a != left_out && b != left_out) smallest_cosine = std::min(smallest_cosine, rays[a].dot(rays[b]));
+    }
+  }
+  return std::acos(std::clamp(smallest_cosine, -1.0, 1.0));
+}
 
 }  // namespace
 
@@ -116,8 +121,8 @@ std::vector<CrossResidual> CrossResiduals(const RigCalibration& calibration, con
                                           const std::vector<bool>& excluded) {
   // A feature that no point of the others can be compared with: as bad as it gets, cut by every robust mean.
   constexpr double kHopelessPx = 1e3;
-  // Rays this close tell no depth at all: a failure to meet in front of the cameras is not the cameras' fault. Two of
-  // the published temple views stand 0.1 degrees apart.
+  // Rays this close tell no depth at all: a failure to meet in front of the cameras is not the cameras' fault. The
+  // published temple views 1 and 11 have one and the same pose.
   constexpr double kMinAngleRad = 0.02;
   const PinholeViews views(calibration);
   std::vector<CrossResidual> residuals;
@@ -125,9 +130,10 @@ std::vector<CrossResidual> CrossResiduals(const RigCalibration& calibration, con
     const std::vector<PinholeFeature> features = views.FeaturesOf(track, excluded);
     const int count = static_cast<int>(features.size());
     if (count < 2) continue;
+    const std::vector<Eigen::Vector3d> rays = views.RaysInWorld(features);
     for (int i = 0; i < count; ++i) {
       const int left_out = count > 2 ? i : -1;
-      if (views.WidestAngleRad(features, left_out) < kMinAngleRad) continue;
+      if (WidestAngleRad(rays, left_out) < kMinAngleRad) continue;
       const auto x_in_world = views.Triangulate(features, left_out);
       auto distance = x_in_world ? views.Distance(features[i], *x_in_world) : std::nullopt;
       if (distance && left_out >= 0) *distance /= std::sqrt(1 + views.PredictionVariance(features, i, *x_in_world));
