@@ -12,9 +12,6 @@ namespace {
 
 /// Up to this many views the reduced camera system is solved as a dense matrix (6 * 100 rows: 3 MB).
 constexpr int kMaxDenseViews = 100;
-/// Levenberg-Marquardt starts this close to Gauss-Newton: the directions that matter most here (scale along an axis,
-/// focal length) are a million times weaker than the strong ones, and Ceres' own 1e4 would creep along them.
-constexpr double kInitialTrustRegionRadius = 1e8;
 
 class StopCallback : public ceres::IterationCallback {
  public:
@@ -63,7 +60,7 @@ class Bundle {
     options.function_tolerance = limits.function_tolerance;
     options.parameter_tolerance = 0;
     options.gradient_tolerance = 0;
-    options.initial_trust_region_radius = kInitialTrustRegionRadius;
+    options.initial_trust_region_radius = limits.initial_trust_region_radius;
     options.logging_type = ceres::SILENT;
     StopCallback stop(execution);
     options.callbacks.push_back(&stop);

@@ -21,7 +21,8 @@ struct BundleTerms {
 struct BundleLimits {
   double cauchy_scale = 0;  ///< in sigmas of a feature; 0: plain least squares
   int max_iterations = 0;
-  double function_tolerance = 0;  ///< relative decrease of the cost at which the solution counts as found
+  double function_tolerance = 0;           ///< relative decrease of the cost at which the solution counts as found
+  double initial_trust_region_radius = 0;  ///< of Levenberg-Marquardt: the larger, the nearer to Gauss-Newton
 };
 
 /// Minimises the whitened residuals of all measurements and priors over the free parameters and the points, in place

@@ -124,6 +124,11 @@ void Triangulate(const StereoScene& scene, SurfacePatch& patch) {
   for (std::size_t i = 0; i < seen_px.size(); ++i) patch.sightings[i].offset_px = offsets_px[i];
 }
 
+bool FacesReference(const StereoScene& scene, const WindowPlane& plane) {
+  const Eigen::Vector3d to_camera = scene.TowardsCamera(plane.reference_view, CentreInWorld(scene, plane));
+  return NormalInWorld(scene, plane).dot(to_camera) > std::cos(kMaxObliquenessOfFitRad);
+}
+
 std::optional<SurfacePatch> AcceptedPatch(const StereoScene& scene, const PlaneFit& fit) {
   if (static_cast<int>(fit.others.size()) + 1 < scene.options.min_views) return std::nullopt;
   SurfacePatch patch;
@@ -134,21 +139,30 @@ std::optional<SurfacePatch> AcceptedPatch(const StereoScene& scene, const PlaneF
     patch.sightings.push_back(s);
   }
   patch.ncc = sum / static_cast<float>(fit.others.size());
-  if (patch.ncc < scene.options.min_ncc || fit.sigma_px > kMaxSigmaPx) return std::nullopt;
+  // Free offsets leave the depth to their prior, which is as wide as the cameras' errors.
+  const double max_sigma_px = kMaxSigmaPx + scene.views[fit.plane.reference_view].error_px;
+  if (patch.ncc < scene.options.min_ncc || fit.sigma_px > max_sigma_px) return std::nullopt;
   if (LargestParallaxRad(scene, fit) < kMinParallaxRad) return std::nullopt;
+  if (!FacesReference(scene, fit.plane)) return std::nullopt;
   patch.centre_in_world = CentreInWorld(scene, fit.plane);
   patch.normal_in_world = NormalInWorld(scene, fit.plane);
   patch.u_px = fit.plane.u_px, patch.v_px = fit.plane.v_px;
-  const int reference = fit.plane.reference_view;
-  if (patch.normal_in_world.dot(scene.TowardsCamera(reference, patch.centre_in_world)) <
-      std::cos(kMaxObliquenessOfFitRad)) {
-    return std::nullopt;
-  }
   if (scene.free_offsets) Triangulate(scene, patch);
   return patch;
 }
 
 }  // namespace
+
+bool AreNeighbours(const StereoScene& scene, const SurfacePatch& a, const SurfacePatch& b) {
+  const int view = a.sightings[0].view;
+  const std::optional<Pixel> pixel = scene.Project(view, a.centre_in_world);
+  if (!pixel) return false;
+  constexpr double kErrorsApart = 2;  // the two patches may have been seen by different views
+  const double rho =
+      (scene.options.cell_px + kErrorsApart * scene.views[view].error_px) * scene.FootprintInWorld(view, pixel->depth);
+  const Eigen::Vector3d d = a.centre_in_world - b.centre_in_world;
+  return std::abs(d.dot(a.normal_in_world)) + std::abs(d.dot(b.normal_in_world)) < 2 * rho;
+}
 
 std::vector<int> ViewsThatMaySee(const StereoScene& scene, int reference_view, const Eigen::Vector3d& point_in_world,
                                  const Eigen::Vector3d& normal_in_world, double max_obliqueness_rad) {
@@ -182,10 +196,15 @@ std::optional<SurfacePatch> BuildPatch(const StereoScene& scene, const WindowPla
   }
   if (fit.others.size() < min_others) return std::nullopt;
   if (!FitPlane(scene, *texture, kFirstIterations, kFirstConvergedPx, fit)) return std::nullopt;
+  if (!FacesReference(scene, fit.plane)) return std::nullopt;
+  const std::size_t num_first = fit.others.size();
   DropBelow(kMinNccToStay, fit.others);
   if (fit.others.empty()) return std::nullopt;
+  const bool has_lost_views = fit.others.size() < num_first;
   AddFurtherViews(scene, *texture, fit);
   if (fit.others.size() < min_others) return std::nullopt;
+  // Nothing new: the first fit is the final one.
+  if (!has_lost_views && fit.others.size() == num_first) return AcceptedPatch(scene, fit);
   Sightings beyond;
   if (fit.others.size() > kMaxViewsOfFinalFit) {
     beyond.assign(fit.others.begin() + kMaxViewsOfFinalFit, fit.others.end());

@@ -17,6 +17,10 @@ struct SurfacePatch {
   float ncc = 0;                    ///< mean over the sightings without the reference
 };
 
+/// Whether two patches continue each other: |(c - c') . n| + |(c - c') . n'| < 2 rho (PMVS paper, section 2), rho being
+/// a cell, and what wrong cameras add to it, at patch a.
+bool AreNeighbours(const StereoScene& scene, const SurfacePatch& a, const SurfacePatch& b);
+
 /// The other views that may see a surface point with this normal, the one with the smallest parallax to the reference
 /// first: not too oblique, in front, inside the image and on the object.
 std::vector<int> ViewsThatMaySee(const StereoScene& scene, int reference_view, const Eigen::Vector3d& point_in_world,

@@ -21,6 +21,7 @@ struct Candidate {
   WindowPlane plane;
   std::vector<Sighting> hints;
   std::size_t cell;
+  int parent;
 };
 
 /// The parent's plane continued to another pixel of one of its views, with the parent's sightings moved along.
@@ -40,7 +41,7 @@ std::optional<Candidate> Continue(const StereoScene& scene, const SurfacePatch& 
   const std::optional<WindowPlane> plane =
       PlaneThrough(scene, in_view.view, cell.u_px, cell.v_px, on_ray, parent.normal_in_world);
   if (!plane) return std::nullopt;
-  Candidate candidate{*plane, {}, cell.index};
+  Candidate candidate{*plane, {}, cell.index, -1};
   for (const Sighting& s : parent.sightings) {
     if (s.view == in_view.view) continue;
     Sighting moved = s;
@@ -67,8 +68,9 @@ void Reserve(const StereoScene& scene, const Candidate& candidate, CellGrid& cel
 }
 
 /// Candidates beside one patch; true when a cell had to be left for the next round.
-bool ListCandidates(const StereoScene& scene, const SurfacePatch& patch, CellGrid& cells,
+bool ListCandidates(const StereoScene& scene, const std::vector<SurfacePatch>& patches, int parent, CellGrid& cells,
                     std::vector<Candidate>& candidates) {
+  const SurfacePatch& patch = patches[parent];
   bool postponed = false;
   for (const Sighting& sighting : patch.sightings) {
     const std::optional<Pixel> pixel = SightingPixel(scene, patch, sighting);
@@ -86,6 +88,7 @@ bool ListCandidates(const StereoScene& scene, const SurfacePatch& patch, CellGri
       }
       std::optional<Candidate> candidate = Continue(scene, patch, sighting, *cell);
       if (!candidate) continue;
+      candidate->parent = parent;
       Reserve(scene, *candidate, cells);
       candidates.push_back(std::move(*candidate));
     }
@@ -103,7 +106,7 @@ bool ExpandSurface(const StereoScene& scene, std::vector<int> frontier, const Ex
     std::vector<Candidate> candidates;
     std::vector<int> next;
     for (const int i : frontier) {
-      if (ListCandidates(scene, surface.patches[i], surface.cells, candidates)) next.push_back(i);
+      if (ListCandidates(scene, surface.patches, i, surface.cells, candidates)) next.push_back(i);
     }
     surface.cells.ClearPending();
     const int count = static_cast<int>(candidates.size());
@@ -111,6 +114,8 @@ bool ExpandSurface(const StereoScene& scene, std::vector<int> frontier, const Ex
     const bool finished = ParallelFor(execution, (count + kCandidatesPerTask - 1) / kCandidatesPerTask, [&](int task) {
       for (int i = task * kCandidatesPerTask; i < std::min(count, (task + 1) * kCandidatesPerTask); ++i) {
         grown[i] = BuildPatch(scene, candidates[i].plane, candidates[i].hints);
+        // One that left its parent's surface is a start of something else, mostly of nothing.
+        if (grown[i] && !AreNeighbours(scene, *grown[i], surface.patches[candidates[i].parent])) grown[i].reset();
       }
     });
     if (!finished) return false;

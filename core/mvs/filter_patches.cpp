@@ -22,25 +22,10 @@ struct Judge {
   const StereoScene& scene;
   const std::vector<SurfacePatch>& patches;
   const CellIndex& index;
-
-  /// How far patches of one surface may be apart, per pixel of the level: a cell, and what wrong cameras add.
-  [[nodiscard]] double TolerancePx(const SurfacePatch& p) const {
-    return scene.options.cell_px + 2 * scene.views[p.sightings[0].view].error_px;
-  }
-  [[nodiscard]] double Footprint(const SurfacePatch& p) const {
-    const int reference = p.sightings[0].view;
-    return scene.FootprintInWorld(reference, scene.Project(reference, p.centre_in_world)->depth);
-  }
-  /// PMVS paper, section 2: |(c - c') . n| + |(c - c') . n'| < 2 rho.
-  [[nodiscard]] bool AreNeighbours(const SurfacePatch& a, const SurfacePatch& b, double footprint) const {
-    const Eigen::Vector3d d = a.centre_in_world - b.centre_in_world;
-    return std::abs(d.dot(a.normal_in_world)) + std::abs(d.dot(b.normal_in_world)) < 2 * TolerancePx(a) * footprint;
-  }
 };
 
 /// Whether the patch is in too many views behind others, or fights with better ones for its cells.
 bool IsVisible(const Judge& judge, const SurfacePatch& patch) {
-  const double footprint = judge.Footprint(patch);
   std::set<int> rivals;
   float rivals_ncc = 0;
   int unoccluded = 0;
@@ -50,7 +35,7 @@ bool IsVisible(const Judge& judge, const SurfacePatch& patch) {
     bool occluded = false;
     judge.index.ForNeighbours(sighting.view, pixel->x_px, 0, [&](int other, float depth) {
       const SurfacePatch& q = judge.patches[other];
-      if (&q == &patch || judge.AreNeighbours(patch, q, footprint)) return;
+      if (&q == &patch || AreNeighbours(judge.scene, patch, q)) return;
       if (depth < static_cast<float>(pixel->depth)) occluded = true;
       if (rivals.insert(other).second) rivals_ncc += q.ncc;
     });
@@ -62,7 +47,6 @@ bool IsVisible(const Judge& judge, const SurfacePatch& patch) {
 
 /// Whether enough of the patches around continue its surface.
 bool IsSupported(const Judge& judge, const SurfacePatch& patch) {
-  const double footprint = judge.Footprint(patch);
   int others = 0, neighbours = 0;
   for (const Sighting& sighting : patch.sightings) {
     const std::optional<Pixel> pixel = SightingPixel(judge.scene, patch, sighting);
@@ -71,7 +55,7 @@ bool IsSupported(const Judge& judge, const SurfacePatch& patch) {
       const SurfacePatch& q = judge.patches[other];
       if (&q == &patch) return;
       ++others;
-      if (judge.AreNeighbours(patch, q, footprint)) ++neighbours;
+      if (AreNeighbours(judge.scene, patch, q)) ++neighbours;
     });
   }
   return neighbours >= kMinNeighbours && neighbours >= kMinNeighbourShare * others;
@@ -109,7 +93,6 @@ bool Keep(const StereoScene& scene, const Execution& execution, std::vector<Surf
 /// Removes pieces of surface with fewer than kMinGroup patches.
 void DropSmallGroups(const StereoScene& scene, std::vector<SurfacePatch>& patches) {
   const CellIndex index(scene, patches);
-  const Judge judge{scene, patches, index};
   std::vector<int> group(patches.size(), -1);
   std::vector<int> size;
   for (std::size_t start = 0; start < patches.size(); ++start) {
@@ -122,11 +105,10 @@ void DropSmallGroups(const StereoScene& scene, std::vector<SurfacePatch>& patche
       const SurfacePatch& p = patches[open.back()];
       open.pop_back();
       ++size[id];
-      const double footprint = judge.Footprint(p);
       const std::optional<Pixel> pixel = SightingPixel(scene, p, p.sightings[0]);
       if (!pixel) continue;
       index.ForNeighbours(p.sightings[0].view, pixel->x_px, kReach, [&](int other, float /*depth*/) {
-        if (group[other] >= 0 || !judge.AreNeighbours(p, patches[other], footprint)) return;
+        if (group[other] >= 0 || !AreNeighbours(scene, p, patches[other])) return;
         group[other] = id;
         open.push_back(other);
       });

@@ -24,6 +24,7 @@ Patch Published(const stereo::SurfacePatch& patch) {
 
 Result<std::vector<Patch>> Reconstruct(const ImageSet& images, const RigCalibration& calibration,
                                        const StereoOptions& options, const Execution& execution) {
+  if (images.NumViews() < options.min_views) return std::vector<Patch>{};
   const stereo::StereoScene scene = stereo::MakeStereoScene(images, calibration, options);
   stereo::Surface surface{{}, stereo::CellGrid(scene)};
   if (!stereo::SeedSurface(scene, execution, surface)) return Cancelled("the stereo");

@@ -32,7 +32,7 @@ cv::Mat1f ObjectPixels(const ViewImages& pictures, int level) {
 /// by where they fall between the pixels, and what is blurred already feels that less.
 cv::Mat4f MakeTexels(const cv::Mat1f& image, const cv::Mat1f& on_object) {
   const cv::Mat1f smooth_kernel = (cv::Mat1f(1, 3) << 1 / 6.f, 4 / 6.f, 1 / 6.f);
-  const cv::Mat1f difference_kernel = (cv::Mat1f(1, 3) << -0.5f, 0, 0.5f);
+  const cv::Mat1f difference_kernel = (cv::Mat1f(1, 5) << 1 / 12.f, -8 / 12.f, 0, 8 / 12.f, -1 / 12.f);  // fourth order
   const cv::Mat1f one(1, 1, 1.0f);
   std::array<cv::Mat1f, 4> channels;
   cv::sepFilter2D(image, channels[0], CV_32F, smooth_kernel, smooth_kernel);

@@ -11,7 +11,7 @@ namespace rigcal::stereo {
 
 /// One view at the reconstructed level. All pixels of this stage are pixels of that level (x_L = x_0 / 2^L).
 struct StereoView {
-  /// Grey value, its derivatives by x and y (central differences), and 1 where only the object is seen (else 0):
+  /// Grey value, its derivatives by x and y (differences), and 1 where only the object is seen (else 0):
   /// together, because one position needs them all.
   cv::Mat4f texels;
   const ViewImages* full_size = nullptr;  ///< for the silhouette; owned by the caller of Reconstruct

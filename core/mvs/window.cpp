@@ -4,11 +4,11 @@
 #include <array>
 #include <cmath>
 
+#include "core/mvs/window_samples.h"
+
 namespace rigcal::stereo {
 namespace {
 
-/// A window whose grey values vary less than a quarter of an 8-bit step (rms) shows nothing but rounding.
-constexpr float kMinContrast = 0.25f / 255;
 /// Largest ratio of a window's side in a view to its side in the reference: beyond, bilinear samples alias.
 constexpr float kMaxScale = 2.5f;
 /// A window's plane must not be seen more obliquely than this in its reference (cosine; about 80 degrees).
@@ -16,69 +16,13 @@ constexpr double kMinCosine = 0.17;
 /// Standard deviation of a window's weights, in window sides.
 constexpr float kWeightSigma = 0.35f;
 
-bool CanSampleWindow(const cv::Mat4f& texels, int window_px, const WindowWarp& warp) {
-  const float h = static_cast<float>(window_px / 2);
-  const float last_x = static_cast<float>(texels.cols - 1), last_y = static_cast<float>(texels.rows - 1);
-  for (const float dv : {-h, h}) {
-    for (const float du : {-h, h}) {
-      const Eigen::Vector3f q = warp.centre + warp.by_u * du + warp.by_v * dv;
-      if (!(q.z() > 0)) return false;
-      const Eigen::Vector2f x = q.head<2>() / q.z() + warp.offset_px;
-      if (!(x.x() >= 0 && x.y() >= 0 && x.x() < last_x && x.y() < last_y)) return false;
-    }
-  }
-  return true;
-}
-
-/// Bilinear; the caller has made sure that the four neighbours lie in the image.
-Eigen::Array4f SampleTexel(const cv::Mat4f& texels, float x, float y) {
-  using Texel = Eigen::Map<const Eigen::Array4f>;
-  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
-  const float* p = texels.ptr<float>(y0) + 4 * x0;
-  const float* q = p + texels.step1();
-  const Eigen::Array4f left = Texel(p) + (y - static_cast<float>(y0)) * (Texel(q) - Texel(p));
-  const Eigen::Array4f right = Texel(p + 4) + (y - static_cast<float>(y0)) * (Texel(q + 4) - Texel(p + 4));
-  return left + (x - static_cast<float>(x0)) * (right - left);
-}
-
-float SampleGray(const cv::Mat4f& texels, float x, float y) {
-  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
-  const float a = x - static_cast<float>(x0), b = y - static_cast<float>(y0);
-  const float* p = texels.ptr<float>(y0) + 4 * x0;
-  const float* q = p + texels.step1();
-  const float top = p[0] + a * (p[4] - p[0]);
-  return top + b * (q[0] + a * (q[4] - q[0]) - top);
-}
-
 /// Takes the weighted mean off, weighs, and scales to norm 1, which it returns; nothing when there is nothing to scale.
 std::optional<float> Normalise(const WindowTexture& weights, WindowSamples& samples) {
   samples = weights.root_weight * (samples - (weights.weight * samples).sum());
   const float norm = std::sqrt(samples.square().sum());
-  if (!(norm > kMinContrast)) return std::nullopt;
+  if (!(norm > kMinWindowContrast)) return std::nullopt;
   samples *= 1 / norm;
   return norm;
-}
-
-/// Where the window's samples lie in a view, and 1 / depth relative to the centre's.
-struct WindowPlaces {
-  std::array<float, kMaxWindowSamples> x, y, scale;
-};
-
-void PlaceWindow(int window_px, const WindowWarp& warp, WindowPlaces& places) {
-  const int h = window_px / 2;
-  for (int row = 0; row < window_px; ++row) {
-    const Eigen::Vector3f left =
-        warp.centre + warp.by_v * static_cast<float>(row - h) - warp.by_u * static_cast<float>(h);
-    float* x = places.x.data() + row * window_px;
-    float* y = places.y.data() + row * window_px;
-    float* scale = places.scale.data() + row * window_px;
-    for (int i = 0; i < window_px; ++i) {
-      const float d = static_cast<float>(i);
-      scale[i] = 1 / (left.z() + warp.by_u.z() * d);
-      x[i] = (left.x() + warp.by_u.x() * d) * scale[i] + warp.offset_px.x();
-      y[i] = (left.y() + warp.by_u.y() * d) * scale[i] + warp.offset_px.y();
-    }
-  }
 }
 
 }  // namespace
@@ -148,19 +92,16 @@ std::optional<WindowWarp> MakeWarp(const StereoScene& scene, const WindowPlane& 
   warp.by_v = ((pair.infinite_homography.col(1) + w[2] * pair.epipole) * scale).cast<float>();
   warp.epipole = (pair.epipole * scale).cast<float>();
   warp.offset_px = offset_px;
-  const Eigen::Vector2f side_u = warp.by_u.head<2>() - warp.centre.head<2>() * warp.by_u.z();
-  const Eigen::Vector2f side_v = warp.by_v.head<2>() - warp.centre.head<2>() * warp.by_v.z();
-  const float area = std::abs(side_u.x() * side_v.y() - side_u.y() * side_v.x());
-  if (!(side_u.norm() < kMaxScale && side_v.norm() < kMaxScale && area > 1 / (kMaxScale * kMaxScale))) {
-    return std::nullopt;
-  }
+  const Eigen::Matrix2f by_px = warp.PxByReferencePx();
+  const bool too_large = by_px.col(0).norm() > kMaxScale || by_px.col(1).norm() > kMaxScale;
+  if (too_large || !(std::abs(by_px.determinant()) > 1 / (kMaxScale * kMaxScale))) return std::nullopt;
   return warp;
 }
 
 std::optional<float> WindowNcc(const cv::Mat4f& texels, int window_px, const WindowWarp& warp,
                                const WindowTexture& reference) {
   if (!CanSampleWindow(texels, window_px, warp)) return std::nullopt;
-  WindowPlaces places;
+  WindowPlaces<kMaxStereoWindowPx> places;
   PlaceWindow(window_px, warp, places);
   WindowSamples values(reference.NumSamples());
   for (int k = 0; k < reference.NumSamples(); ++k) values[k] = SampleGray(texels, places.x[k], places.y[k]);
@@ -172,7 +113,7 @@ std::optional<ViewNormalEquations> LineariseWindow(const cv::Mat4f& texels, int 
                                                    const WindowTexture& reference, bool with_offset) {
   if (!CanSampleWindow(texels, window_px, warp)) return std::nullopt;
   const int n = reference.NumSamples();
-  WindowPlaces places;
+  WindowPlaces<kMaxStereoWindowPx> places;
   PlaceWindow(window_px, warp, places);
   // Derivative of the grey value by w, dw/du, dw/dv, offset x, offset y.
   std::array<WindowSamples, 5> by;
@@ -211,20 +152,6 @@ std::optional<ViewNormalEquations> LineariseWindow(const cv::Mat4f& texels, int 
     }
   }
   return equations;
-}
-
-std::optional<OffsetMatch> SearchOffset(const cv::Mat4f& texels, int window_px, const WindowWarp& warp,
-                                        const WindowTexture& reference, int radius_px) {
-  std::optional<OffsetMatch> best;
-  WindowWarp moved = warp;
-  for (int dy = -radius_px; dy <= radius_px; ++dy) {
-    for (int dx = -radius_px; dx <= radius_px; ++dx) {
-      moved.offset_px = warp.offset_px + Eigen::Vector2f(static_cast<float>(dx), static_cast<float>(dy));
-      const std::optional<float> ncc = WindowNcc(texels, window_px, moved, reference);
-      if (ncc && (!best || *ncc > best->ncc)) best = OffsetMatch{moved.offset_px, *ncc};
-    }
-  }
-  return best;
 }
 
 }  // namespace rigcal::stereo

@@ -24,6 +24,9 @@ Eigen::Vector3d CentreInWorld(const StereoScene& scene, const WindowPlane& plane
 /// Unit, towards the reference camera.
 Eigen::Vector3d NormalInWorld(const StereoScene& scene, const WindowPlane& plane);
 
+/// A window whose grey values vary less than a quarter of an 8-bit step (rms) shows nothing but rounding.
+inline constexpr float kMinWindowContrast = 0.25f / 255;
+
 inline constexpr int kMaxWindowSamples = kMaxStereoWindowPx * kMaxStereoWindowPx;
 using WindowSamples = Eigen::Array<float, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxWindowSamples, 1>;
 
@@ -47,6 +50,12 @@ struct WindowWarp {
   Eigen::Vector2f offset_px;
 
   [[nodiscard]] Eigen::Vector2f CentrePx() const { return centre.head<2>() + offset_px; }
+  /// d pixel of the view / d pixel of the reference, at the centre.
+  [[nodiscard]] Eigen::Matrix2f PxByReferencePx() const {
+    Eigen::Matrix2f by;
+    by << by_u.head<2>() - centre.head<2>() * by_u.z(), by_v.head<2>() - centre.head<2>() * by_v.z();
+    return by;
+  }
   /// How many pixels of the view the window's centre moves per unit of inverse depth.
   [[nodiscard]] Eigen::Vector2f CentreByInverseDepth() const {
     return epipole.head<2>() - centre.head<2>() * epipole.z();
@@ -75,11 +84,13 @@ struct ViewNormalEquations {
 std::optional<ViewNormalEquations> LineariseWindow(const cv::Mat4f& texels, int window_px, const WindowWarp& warp,
                                                    const WindowTexture& reference, bool with_offset);
 
-/// Best whole-pixel offset of the view's window within +-radius of the warp's own offset, by NCC.
+/// The best place of the window within +-radius_px (of the reference) of the warp's own place, in whole pixels of the
+/// reference, by NCC. Near the image's edge the radius is what fits; nothing when the window itself leaves the image.
 struct OffsetMatch {
-  Eigen::Vector2f offset_px;
+  Eigen::Vector2f offset_px;  ///< the warp's own included
   float ncc;
 };
+inline constexpr int kMaxSearchRadiusPx = 8;
 std::optional<OffsetMatch> SearchOffset(const cv::Mat4f& texels, int window_px, const WindowWarp& warp,
                                         const WindowTexture& reference, int radius_px);
 

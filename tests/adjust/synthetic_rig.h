@@ -5,11 +5,14 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/random.h"
 #include "core/rig/camera_information.h"
 #include "core/rig/gauge.h"
+#include "core/rig/reprojection.h"
+#include "core/rig/residuals.h"
 #include "core/scene/rig_calibration.h"
 #include "core/scene/track.h"
 
@@ -90,24 +93,29 @@ inline std::vector<SurfacePoint> Surface(int count, Random& random) {
   return points;
 }
 
+/// Whether a view sees a point from within 70 degrees of its normal.
+inline bool Faces(const Rigid3d& cam_from_world, const SurfacePoint& point) {
+  constexpr double kMinCosine = 0.34;
+  const Eigen::Vector3d towards = (CentreInWorld(cam_from_world) - point.x_in_world).normalized();
+  return towards.dot(point.normal_in_world) > kMinCosine;
+}
+
 struct ObservationNoise {
   double sigma_px = 0.3;
   double outlier_share = 0;
   double outlier_px = 20;  ///< outliers lie evenly within this many pixels of the truth
 };
 
-/// What the views that face a point (within 70 degrees) see of it; tracks of at least two.
+/// What the views that face a point see of it; tracks of at least two.
 inline TrackSet Observe(const RigCalibration& rig, const std::vector<SurfacePoint>& surface,
                         const ObservationNoise& noise, Random& random) {
-  constexpr double kMinCosine = 0.34;
   TrackSet set;
   for (const SurfacePoint& point : surface) {
     Track track;
     track.x_in_world = point.x_in_world;
     for (int v = 0; v < rig.NumViews(); ++v) {
       const Rigid3d& pose = rig.views[v].cam_from_world;
-      const Eigen::Vector3d towards = (CentreInWorld(pose) - point.x_in_world).normalized();
-      if (towards.dot(point.normal_in_world) < kMinCosine) continue;
+      if (!Faces(pose, point)) continue;
       Eigen::Vector2d x_px = *Project(rig.CameraOf(v), pose * point.x_in_world);
       if (random.Uniform() < noise.outlier_share) {
         x_px += noise.outlier_px * Eigen::Vector2d(random.Uniform(-1, 1), random.Uniform(-1, 1));
@@ -165,23 +173,79 @@ inline Eigen::VectorXd Difference(const RigCalibration& to, const RigCalibration
   return delta;
 }
 
-/// A calibration drawn from the prior about `seed`: the density that the adjustment assumes, N(seed, information^-1).
-inline RigCalibration DrawFromPrior(const RigCalibration& seed, const FreeParameters& free,
-                                    const Eigen::MatrixXd& information, Random& random) {
-  const Eigen::MatrixXd root = CovarianceRoot(information);
-  const Eigen::VectorXd normal = Eigen::VectorXd::NullaryExpr(root.cols(), [&random] { return random.Normal(); });
-  Eigen::VectorXd delta = Eigen::VectorXd::Zero(CalibrationCovariance::PoseRow(seed.NumCameras(), seed.NumViews()));
-  delta(free.JointRows()) = root * normal;
-  return Moved(seed, delta);
+/// The seed as the adjustment believes in it.
+struct Prior {
+  RigCalibration seed;
+  FreeParameters free;
+  std::vector<SeedAnchor> anchors;
+  double expected_error_px;
+  std::vector<CameraPrior> camera_priors;
+};
+
+inline Prior PriorAbout(const RigCalibration& seed, const TrackSet& tracks, double expected_error_px,
+                        double aspect_sigma) {
+  return {seed, AllPinholeParameters(seed), ChooseSeedAnchors({seed, expected_error_px}, tracks), expected_error_px,
+          PriorsOf(seed, aspect_sigma)};
 }
 
-/// Mean distance between the projections of the surface by both, after the best similarity alignment of the estimate.
+/// Residuals of the prior at `rig`, in sigmas, and their derivative by the free vector.
+inline std::pair<Eigen::VectorXd, Eigen::MatrixXd> PriorResiduals(const Prior& prior, const RigCalibration& rig) {
+  const FreeRows rows = RowsOf(prior.free);
+  const auto num_anchors = static_cast<Eigen::Index>(prior.anchors.size());
+  Eigen::VectorXd r(2 * num_anchors + 3 * rig.NumCameras());
+  Eigen::MatrixXd j = Eigen::MatrixXd::Zero(r.size(), rows.count);
+  for (Eigen::Index i = 0; i < num_anchors; ++i) {
+    const SeedAnchor& anchor = prior.anchors[static_cast<std::size_t>(i)];
+    const View& view = rig.views[anchor.view];
+    const Reprojection seen = *Reproject(rig.cameras[view.camera], view.cam_from_world, anchor.x_in_world);
+    r.segment<2>(2 * i) = (seen.x_px - anchor.seed_px) / prior.expected_error_px;
+    for (int k = 0; k < 6; ++k) {
+      j.block<2, 1>(2 * i, rows.pose[anchor.view] + k) = seen.by_pose.col(k) / prior.expected_error_px;
+    }
+    for (const int k : {kFx, kFy, kCx, kCy}) {
+      j.block<2, 1>(2 * i, rows.intrinsics[view.camera][k]) = seen.by_intrinsics.col(k) / prior.expected_error_px;
+    }
+  }
+  for (int c = 0; c < rig.NumCameras(); ++c) {
+    const IntrinsicVector intrinsics = rig.cameras[c].Intrinsics();
+    const double* block = intrinsics.data();
+    Eigen::Matrix<double, 3, kNumIntrinsics, Eigen::RowMajor> by_intrinsics;
+    double* jacobians[] = {by_intrinsics.data()};
+    IntrinsicsResidual(prior.camera_priors[c]).Evaluate(&block, r.data() + 2 * num_anchors + 3 * c, jacobians);
+    for (const int k : {kFx, kFy, kCx, kCy}) {
+      j.block<3, 1>(2 * num_anchors + 3 * c, rows.intrinsics[c][k]) = by_intrinsics.col(k);
+    }
+  }
+  return {r, j};
+}
+
+/// Cameras drawn from the prior: every residual gets a normal error and the cameras that fit them best are found. For
+/// small errors this is N(seed, (SeedInformation + IntrinsicsInformation)^-1); for large ones it follows the picture,
+/// where the prior is normal, and not the tangent of the parameters.
+inline RigCalibration DrawFromPrior(const Prior& prior, Random& random) {
+  constexpr int kIterations = 8;
+  RigCalibration drawn = prior.seed;
+  Eigen::VectorXd target;
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    const auto [r, j] = PriorResiduals(prior, drawn);
+    if (iteration == 0) target = r + Eigen::VectorXd::NullaryExpr(r.size(), [&random] { return random.Normal(); });
+    Eigen::VectorXd delta = Eigen::VectorXd::Zero(CalibrationCovariance::PoseRow(drawn.NumCameras(), drawn.NumViews()));
+    const Eigen::VectorXd gradient = j.transpose() * (target - r);
+    delta(prior.free.JointRows()) = CovarianceFromInformation(j.transpose() * j) * gradient;
+    drawn = Moved(drawn, delta);
+  }
+  return drawn;
+}
+
+/// Mean distance between the projections by both of the points that each view sees, after the best similarity alignment
+/// of the estimate.
 inline double TruthErrorPx(const RigCalibration& truth, const RigCalibration& estimate,
                            const std::vector<SurfacePoint>& surface) {
   std::vector<SeedAnchor> anchors;
   for (int v = 0; v < truth.NumViews(); ++v) {
-    for (std::size_t i = 0; i < surface.size(); i += 1 + surface.size() / 100) {
+    for (std::size_t i = 0; i < surface.size(); i += 1 + surface.size() / 300) {
       const Eigen::Vector3d& x = surface[i].x_in_world;
+      if (!Faces(truth.views[v].cam_from_world, surface[i])) continue;
       anchors.push_back({v, x, *Project(truth.CameraOf(v), truth.views[v].cam_from_world * x)});
     }
   }
