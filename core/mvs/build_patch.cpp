@@ -52,14 +52,14 @@ std::optional<Sighting> Look(const StereoScene& scene, const WindowPlane& plane,
   const Eigen::Vector2f offset_px = hint != nullptr ? hint->offset_px : Eigen::Vector2f::Zero();
   const std::optional<WindowWarp> warp = MakeWarp(scene, plane, view, offset_px);
   if (!warp) return std::nullopt;
-  const cv::Mat4f& texels = scene.views[view].texels;
+  const cv::Mat1f& gray = scene.views[view].gray;
   if (scene.free_offsets && hint == nullptr) {
-    const std::optional<OffsetMatch> match = SearchOffset(texels, scene.options.window_px, *warp, texture,
-                                                          SearchRadiusPx(scene, plane.reference_view, view));
+    const std::optional<OffsetMatch> match =
+        SearchOffset(gray, scene.options.window_px, *warp, texture, SearchRadiusPx(scene, plane.reference_view, view));
     if (!match) return std::nullopt;
     return Sighting{view, match->offset_px, match->ncc};
   }
-  const std::optional<float> ncc = WindowNcc(texels, scene.options.window_px, *warp, texture);
+  const std::optional<float> ncc = WindowNcc(gray, scene.options.window_px, *warp, texture);
   if (!ncc) return std::nullopt;
   return Sighting{view, offset_px, *ncc};
 }
@@ -124,6 +124,18 @@ void Triangulate(const StereoScene& scene, SurfacePatch& patch) {
   for (std::size_t i = 0; i < seen_px.size(); ++i) patch.sightings[i].offset_px = offsets_px[i];
 }
 
+/// Fills in the pixels; sightings outside their images go. False when too few are left.
+bool Locate(const StereoScene& scene, SurfacePatch& patch) {
+  const int reference_view = patch.sightings[0].view;
+  std::erase_if(patch.sightings, [&](const Sighting& s) {
+    const std::optional<Pixel> pixel = PixelInImage(scene, patch.centre_in_world, s);
+    if (pixel) patch.pixels.push_back(*pixel);
+    return !pixel;
+  });
+  return static_cast<int>(patch.sightings.size()) >= scene.options.min_views &&
+         patch.sightings[0].view == reference_view;
+}
+
 bool FacesReference(const StereoScene& scene, const WindowPlane& plane) {
   const Eigen::Vector3d to_camera = scene.TowardsCamera(plane.reference_view, CentreInWorld(scene, plane));
   return NormalInWorld(scene, plane).dot(to_camera) > std::cos(kMaxObliquenessOfFitRad);
@@ -148,6 +160,7 @@ std::optional<SurfacePatch> AcceptedPatch(const StereoScene& scene, const PlaneF
   patch.normal_in_world = NormalInWorld(scene, fit.plane);
   patch.u_px = fit.plane.u_px, patch.v_px = fit.plane.v_px;
   if (scene.free_offsets) Triangulate(scene, patch);
+  if (!Locate(scene, patch)) return std::nullopt;
   return patch;
 }
 
@@ -155,13 +168,24 @@ std::optional<SurfacePatch> AcceptedPatch(const StereoScene& scene, const PlaneF
 
 bool AreNeighbours(const StereoScene& scene, const SurfacePatch& a, const SurfacePatch& b) {
   const int view = a.sightings[0].view;
-  const std::optional<Pixel> pixel = scene.Project(view, a.centre_in_world);
-  if (!pixel) return false;
   constexpr double kErrorsApart = 2;  // the two patches may have been seen by different views
-  const double rho =
-      (scene.options.cell_px + kErrorsApart * scene.views[view].error_px) * scene.FootprintInWorld(view, pixel->depth);
+  const double rho = (scene.options.cell_px + kErrorsApart * scene.views[view].error_px) *
+                     scene.FootprintInWorld(view, a.pixels[0].depth);
   const Eigen::Vector3d d = a.centre_in_world - b.centre_in_world;
   return std::abs(d.dot(a.normal_in_world)) + std::abs(d.dot(b.normal_in_world)) < 2 * rho;
+}
+
+std::optional<Pixel> PixelInImage(const StereoScene& scene, const Eigen::Vector3d& x_in_world,
+                                  const Sighting& sighting) {
+  std::optional<Pixel> pixel = scene.Project(sighting.view, x_in_world);
+  if (!pixel) return std::nullopt;
+  pixel->x_px += sighting.offset_px.cast<double>();
+  const cv::Mat1f& image = scene.views[sighting.view].gray;
+  if (!(pixel->x_px.x() >= 0 && pixel->x_px.y() >= 0 && pixel->x_px.x() <= image.cols - 1 &&
+        pixel->x_px.y() <= image.rows - 1)) {
+    return std::nullopt;
+  }
+  return pixel;
 }
 
 std::vector<int> ViewsThatMaySee(const StereoScene& scene, int reference_view, const Eigen::Vector3d& point_in_world,

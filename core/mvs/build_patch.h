@@ -14,12 +14,17 @@ struct SurfacePatch {
   int u_px = 0;  ///< the pixel of the reference view it was made for
   int v_px = 0;
   std::vector<Sighting> sightings;  ///< [0] is the reference view
+  std::vector<Pixel> pixels;        ///< of each sighting: where its texture lies (inside the image), and the depth
   float ncc = 0;                    ///< mean over the sightings without the reference
 };
 
 /// Whether two patches continue each other: |(c - c') . n| + |(c - c') . n'| < 2 rho (PMVS paper, section 2), rho being
 /// a cell, and what wrong cameras add to it, at patch a.
 bool AreNeighbours(const StereoScene& scene, const SurfacePatch& a, const SurfacePatch& b);
+
+/// Where a point that is seen beside its projection by an offset is seen; nothing outside the image.
+std::optional<Pixel> PixelInImage(const StereoScene& scene, const Eigen::Vector3d& x_in_world,
+                                  const Sighting& sighting);
 
 /// The other views that may see a surface point with this normal, the one with the smallest parallax to the reference
 /// first: not too oblique, in front, inside the image and on the object.

@@ -43,10 +43,10 @@ void CellGrid::CountAttempt(int view, std::size_t cell) {
   if (state < UINT8_MAX - kOne) state = static_cast<std::uint8_t>(state + kOne);
 }
 
-void CellGrid::Fill(const StereoScene& scene, const SurfacePatch& patch) {
-  for (const Sighting& sighting : patch.sightings) {
-    const std::optional<Pixel> pixel = SightingPixel(scene, patch, sighting);
-    if (pixel) cells_[sighting.view][CellAt(sighting.view, pixel->x_px)] |= kFilled;
+void CellGrid::Fill(const SurfacePatch& patch) {
+  for (std::size_t i = 0; i < patch.sightings.size(); ++i) {
+    const int view = patch.sightings[i].view;
+    cells_[view][CellAt(view, patch.pixels[i].x_px)] |= kFilled;
   }
 }
 
@@ -54,18 +54,6 @@ void CellGrid::ClearFilled() {
   for (auto& view : cells_) {
     for (std::uint8_t& state : view) state &= static_cast<std::uint8_t>(~kFilled);
   }
-}
-
-std::optional<Pixel> SightingPixel(const StereoScene& scene, const SurfacePatch& patch, const Sighting& sighting) {
-  std::optional<Pixel> pixel = scene.Project(sighting.view, patch.centre_in_world);
-  if (!pixel) return std::nullopt;
-  pixel->x_px += sighting.offset_px.cast<double>();
-  const cv::Mat4f& image = scene.views[sighting.view].texels;
-  if (!(pixel->x_px.x() >= 0 && pixel->x_px.y() >= 0 && pixel->x_px.x() <= image.cols - 1 &&
-        pixel->x_px.y() <= image.rows - 1)) {
-    return std::nullopt;
-  }
-  return pixel;
 }
 
 CellIndex::CellIndex(const StereoScene& scene, const std::vector<SurfacePatch>& patches)
@@ -82,13 +70,16 @@ CellIndex::CellIndex(const StereoScene& scene, const std::vector<SurfacePatch>& 
   }
   std::vector<Place> places;
   for (std::size_t i = 0; i < patches.size(); ++i) {
-    for (const Sighting& sighting : patches[i].sightings) {
-      const std::optional<Pixel> pixel = SightingPixel(scene, patches[i], sighting);
-      if (!pixel) continue;
-      const int column = static_cast<int>(pixel->x_px.x() + 0.5) / cell_px_;
-      const int row = static_cast<int>(pixel->x_px.y() + 0.5) / cell_px_;
+    for (std::size_t k = 0; k < patches[i].sightings.size(); ++k) {
+      const Sighting& sighting = patches[i].sightings[k];
+      const Pixel& pixel = patches[i].pixels[k];
+      const int column = static_cast<int>(pixel.x_px.x() + 0.5) / cell_px_;
+      const int row = static_cast<int>(pixel.x_px.y() + 0.5) / cell_px_;
       const std::size_t cell = static_cast<std::size_t>(row * views_[sighting.view].columns + column);
-      places.push_back({sighting.view, cell, {static_cast<int>(i), static_cast<float>(pixel->depth)}});
+      places.push_back(
+          {sighting.view,
+           cell,
+           {static_cast<int>(i), static_cast<float>(pixel.depth), pixel.x_px.cast<float>() - sighting.offset_px}});
       ++views_[sighting.view].first[cell + 1];
     }
   }

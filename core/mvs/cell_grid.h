@@ -30,7 +30,7 @@ class CellGrid {
   void ClearPending();
   void CountAttempt(int view, std::size_t cell);
   /// Marks the cells of all sightings.
-  void Fill(const StereoScene& scene, const SurfacePatch& patch);
+  void Fill(const SurfacePatch& patch);
   void ClearFilled();
 
  private:
@@ -41,15 +41,18 @@ class CellGrid {
   std::vector<std::pair<int, std::size_t>> pending_;
 };
 
-/// Where a patch is seen in one of its sightings' views; nothing outside the image.
-std::optional<Pixel> SightingPixel(const StereoScene& scene, const SurfacePatch& patch, const Sighting& sighting);
-
 /// The same in all views: patches by cell, for looking up neighbours. Immutable.
 class CellIndex {
  public:
   CellIndex(const StereoScene& scene, const std::vector<SurfacePatch>& patches);
 
-  /// Calls visit(patch index, depth in the view) for patches in the cells within `reach` of the one at a pixel.
+  struct Entry {
+    int patch;
+    float depth;                ///< in the view
+    Eigen::Vector2f centre_px;  ///< projection of the patch's centre, without the sighting's offset
+  };
+
+  /// Calls visit(Entry) for the patches in the cells within `reach` of the one at a pixel.
   template <typename Visit>
   void ForNeighbours(int view, const Eigen::Vector2d& x_px, int reach, Visit visit) const {
     const int c = static_cast<int>(x_px.x() + 0.5) / cell_px_, r = static_cast<int>(x_px.y() + 0.5) / cell_px_;
@@ -57,17 +60,12 @@ class CellIndex {
     for (int row = std::max(0, r - reach); row <= std::min(cells.rows - 1, r + reach); ++row) {
       for (int column = std::max(0, c - reach); column <= std::min(cells.columns - 1, c + reach); ++column) {
         const std::size_t cell = static_cast<std::size_t>(row * cells.columns + column);
-        for (int i = cells.first[cell]; i < cells.first[cell + 1]; ++i)
-          visit(cells.entries[i].patch, cells.entries[i].depth);
+        for (int i = cells.first[cell]; i < cells.first[cell + 1]; ++i) visit(cells.entries[i]);
       }
     }
   }
 
  private:
-  struct Entry {
-    int patch;
-    float depth;
-  };
   struct Cells {
     int columns, rows;
     std::vector<int> first;  ///< of each cell in entries; one more at the end

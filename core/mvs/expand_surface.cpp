@@ -60,9 +60,9 @@ void Reserve(const StereoScene& scene, const Candidate& candidate, CellGrid& cel
   const int reference = candidate.plane.reference_view;
   cells.SetPending(reference, candidate.cell);
   cells.CountAttempt(reference, candidate.cell);
-  const SurfacePatch predicted{CentreInWorld(scene, candidate.plane), {}, 0, 0, candidate.hints, 0};
+  const Eigen::Vector3d centre_in_world = CentreInWorld(scene, candidate.plane);
   for (const Sighting& s : candidate.hints) {
-    const std::optional<Pixel> pixel = SightingPixel(scene, predicted, s);
+    const std::optional<Pixel> pixel = PixelInImage(scene, centre_in_world, s);
     if (pixel) cells.SetPending(s.view, cells.CellAt(s.view, pixel->x_px));
   }
 }
@@ -72,13 +72,13 @@ bool ListCandidates(const StereoScene& scene, const std::vector<SurfacePatch>& p
                     std::vector<Candidate>& candidates) {
   const SurfacePatch& patch = patches[parent];
   bool postponed = false;
-  for (const Sighting& sighting : patch.sightings) {
-    const std::optional<Pixel> pixel = SightingPixel(scene, patch, sighting);
-    if (!pixel) continue;
+  for (std::size_t i = 0; i < patch.sightings.size(); ++i) {
+    const Sighting& sighting = patch.sightings[i];
     if (patch.normal_in_world.dot(scene.TowardsCamera(sighting.view, patch.centre_in_world)) < kMinCosineToGrow)
       continue;
     for (const auto& [columns, rows] : kNeighbours) {
-      const std::optional<CellGrid::CellPixel> cell = cells.Neighbour(sighting.view, pixel->x_px, columns, rows);
+      const std::optional<CellGrid::CellPixel> cell =
+          cells.Neighbour(sighting.view, patch.pixels[i].x_px, columns, rows);
       if (!cell || cells.IsFilled(sighting.view, cell->index)) continue;
       if (cells.Attempts(sighting.view, cell->index) >= kMaxAttemptsPerCell) continue;
       if (!scene.CanHoldWindow(sighting.view, {cell->u_px, cell->v_px})) continue;
@@ -121,7 +121,7 @@ bool ExpandSurface(const StereoScene& scene, std::vector<int> frontier, const Ex
     if (!finished) return false;
     for (std::size_t i = 0; i < candidates.size(); ++i) {
       if (!grown[i] || surface.cells.IsFilled(candidates[i].plane.reference_view, candidates[i].cell)) continue;
-      surface.cells.Fill(scene, *grown[i]);
+      surface.cells.Fill(*grown[i]);
       next.push_back(static_cast<int>(surface.patches.size()));
       surface.patches.push_back(std::move(*grown[i]));
     }

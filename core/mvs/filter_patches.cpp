@@ -24,35 +24,69 @@ struct Judge {
   const CellIndex& index;
 };
 
-/// Whether the patch is in too many views behind others, or fights with better ones for its cells.
-bool IsVisible(const Judge& judge, const SurfacePatch& patch) {
+/// Removes the hidden ones but the reference, which counts as one that is left.
+void KeepSightings(const std::vector<char>& hidden, SurfacePatch& patch) {
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < hidden.size(); ++i) {
+    if (hidden[i] && i > 0) continue;
+    patch.sightings[next] = patch.sightings[i], patch.pixels[next] = patch.pixels[i];
+    ++next;
+  }
+  patch.sightings.resize(next), patch.pixels.resize(next);
+}
+
+/// Which of a patch's sightings lie behind another surface.
+std::vector<char> HiddenSightings(const Judge& judge, const SurfacePatch& patch) {
+  std::vector<char> hidden(patch.sightings.size(), 0);
+  for (std::size_t i = 0; i < patch.sightings.size(); ++i) {
+    const Pixel& pixel = patch.pixels[i];
+    judge.index.ForNeighbours(patch.sightings[i].view, pixel.x_px, 0, [&](const CellIndex::Entry& other) {
+      if (!(other.depth < static_cast<float>(pixel.depth))) return;
+      if (!AreNeighbours(judge.scene, patch, judge.patches[other.patch])) hidden[i] = 1;
+    });
+  }
+  return hidden;
+}
+
+/// Takes the hidden sightings away; patches of which too little is left go.
+bool DropHidden(const StereoScene& scene, const Execution& execution, std::vector<SurfacePatch>& patches) {
+  const CellIndex index(scene, patches);
+  const Judge judge{scene, patches, index};
+  const int count = static_cast<int>(patches.size());
+  std::vector<std::vector<char>> hidden(patches.size());
+  const bool finished = ParallelFor(execution, (count + kFilterBlock - 1) / kFilterBlock, [&](int block) {
+    for (int i = block * kFilterBlock; i < std::min(count, (block + 1) * kFilterBlock); ++i) {
+      hidden[i] = HiddenSightings(judge, patches[i]);
+    }
+  });
+  if (!finished) return false;
+  for (std::size_t i = 0; i < patches.size(); ++i) KeepSightings(hidden[i], patches[i]);
+  std::erase_if(patches, [&scene](const SurfacePatch& patch) {
+    return static_cast<int>(patch.sightings.size()) < scene.options.min_views;
+  });
+  return true;
+}
+
+/// Whether the patch does not fight with better ones for its cells.
+bool IsBest(const Judge& judge, const SurfacePatch& patch) {
   std::set<int> rivals;
   float rivals_ncc = 0;
-  int unoccluded = 0;
-  for (const Sighting& sighting : patch.sightings) {
-    const std::optional<Pixel> pixel = SightingPixel(judge.scene, patch, sighting);
-    if (!pixel) continue;
-    bool occluded = false;
-    judge.index.ForNeighbours(sighting.view, pixel->x_px, 0, [&](int other, float depth) {
-      const SurfacePatch& q = judge.patches[other];
+  for (std::size_t i = 0; i < patch.sightings.size(); ++i) {
+    judge.index.ForNeighbours(patch.sightings[i].view, patch.pixels[i].x_px, 0, [&](const CellIndex::Entry& other) {
+      const SurfacePatch& q = judge.patches[other.patch];
       if (&q == &patch || AreNeighbours(judge.scene, patch, q)) return;
-      if (depth < static_cast<float>(pixel->depth)) occluded = true;
-      if (rivals.insert(other).second) rivals_ncc += q.ncc;
+      if (rivals.insert(other.patch).second) rivals_ncc += q.ncc;
     });
-    if (!occluded) ++unoccluded;
   }
-  return unoccluded >= judge.scene.options.min_views &&
-         static_cast<float>(patch.sightings.size()) * patch.ncc >= rivals_ncc;
+  return static_cast<float>(patch.sightings.size()) * patch.ncc >= rivals_ncc;
 }
 
 /// Whether enough of the patches around continue its surface.
 bool IsSupported(const Judge& judge, const SurfacePatch& patch) {
   int others = 0, neighbours = 0;
-  for (const Sighting& sighting : patch.sightings) {
-    const std::optional<Pixel> pixel = SightingPixel(judge.scene, patch, sighting);
-    if (!pixel) continue;
-    judge.index.ForNeighbours(sighting.view, pixel->x_px, 1, [&](int other, float /*depth*/) {
-      const SurfacePatch& q = judge.patches[other];
+  for (std::size_t i = 0; i < patch.sightings.size(); ++i) {
+    judge.index.ForNeighbours(patch.sightings[i].view, patch.pixels[i].x_px, 1, [&](const CellIndex::Entry& other) {
+      const SurfacePatch& q = judge.patches[other.patch];
       if (&q == &patch) return;
       ++others;
       if (AreNeighbours(judge.scene, patch, q)) ++neighbours;
@@ -105,12 +139,10 @@ void DropSmallGroups(const StereoScene& scene, std::vector<SurfacePatch>& patche
       const SurfacePatch& p = patches[open.back()];
       open.pop_back();
       ++size[id];
-      const std::optional<Pixel> pixel = SightingPixel(scene, p, p.sightings[0]);
-      if (!pixel) continue;
-      index.ForNeighbours(p.sightings[0].view, pixel->x_px, kReach, [&](int other, float /*depth*/) {
-        if (group[other] >= 0 || !AreNeighbours(scene, p, patches[other])) return;
-        group[other] = id;
-        open.push_back(other);
+      index.ForNeighbours(p.sightings[0].view, p.pixels[0].x_px, kReach, [&](const CellIndex::Entry& other) {
+        if (group[other.patch] >= 0 || !AreNeighbours(scene, p, patches[other.patch])) return;
+        group[other.patch] = id;
+        open.push_back(other.patch);
       });
     }
   }
@@ -127,7 +159,8 @@ void DropSmallGroups(const StereoScene& scene, std::vector<SurfacePatch>& patche
 
 std::optional<std::vector<SurfacePatch>> FilterPatches(const StereoScene& scene, std::vector<SurfacePatch> patches,
                                                        const Execution& execution) {
-  if (!Keep(scene, execution, patches, IsVisible)) return std::nullopt;
+  if (!DropHidden(scene, execution, patches)) return std::nullopt;
+  if (!Keep(scene, execution, patches, IsBest)) return std::nullopt;
   if (!Keep(scene, execution, patches, IsSupported)) return std::nullopt;
   if (!Keep(scene, execution, patches, IsSmooth)) return std::nullopt;
   DropSmallGroups(scene, patches);

@@ -126,7 +126,8 @@ bool FitPlane(const StereoScene& scene, const WindowTexture& reference, int max_
     }
   }
   const Eigen::Matrix3d inverse = at.hessian.inverse();
-  const double samples = static_cast<double>(reference.NumSamples()) * static_cast<double>(fit.others.size());
+  const int window_px = scene.options.window_px;
+  const double samples = static_cast<double>(window_px * window_px) * static_cast<double>(fit.others.size());
   fit.sigma_px = at.shift_per_w * std::sqrt(std::max(0.0, inverse(0, 0)) * at.cost / std::max(1.0, samples - 3));
   return at.shift_per_w > 0 && std::isfinite(fit.sigma_px);
 }

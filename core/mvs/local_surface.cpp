@@ -18,35 +18,69 @@ constexpr int kPatchesPerTask = 64;
 
 using Coefficients = Eigen::Matrix<double, 6, 1>;
 
+/// The quadratic's basis is 1, u, v, u^2, u v, v^2; products of two of them are the 15 monomials up to degree 4, which
+/// are summed instead of the 6 x 6 products: kMoment[i][j] is the monomial basis[i] * basis[j].
+constexpr int kMoment[6][6] = {{0, 1, 2, 3, 4, 5},    {1, 3, 4, 6, 7, 8},    {2, 4, 5, 7, 8, 9},
+                               {3, 6, 7, 10, 11, 12}, {4, 7, 8, 11, 12, 13}, {5, 8, 9, 12, 13, 14}};
+
+/// Coordinates are in units of the reach, so that single precision carries the fourth powers.
 struct Neighbour {
-  Coefficients basis;  ///< 1, u, v, u^2, u v, v^2
-  double depth_px;
-  double weight;
+  Eigen::Array<float, 16, 1> monomials;  ///< those of kMoment, then a zero
+  float depth_px;
+  float weight;
 };
+
+Neighbour MakeNeighbour(const Eigen::Vector2f& d, float depth_px) {
+  const float u = d.x(), v = d.y(), uu = u * u, uv = u * v, vv = v * v;
+  Neighbour n;
+  n.monomials << 1, u, v, uu, uv, vv, uu * u, uu * v, u * vv, vv * v, uu * uu, uu * uv, uu * vv, uv * vv, vv * vv, 0;
+  n.depth_px = depth_px;
+  n.weight = std::exp(-2 * (uu + vv));
+  return n;
+}
 
 std::vector<Neighbour> CollectNeighbours(const StereoScene& scene, const std::vector<SurfacePatch>& patches,
                                          const CellIndex& index, const SurfacePatch& patch, int leave_out) {
   std::vector<Neighbour> neighbours;
   const int view = patch.sightings[0].view;
-  const std::optional<Pixel> centre = scene.Project(view, patch.centre_in_world);
-  if (!centre) return neighbours;
+  const Pixel& seen = patch.pixels[0];
+  const Eigen::Vector2d centre_px = seen.x_px - patch.sightings[0].offset_px.cast<double>();
   const double reach_px = kReachInWindows * scene.options.window_px;
   const int reach = static_cast<int>(std::ceil(reach_px / scene.options.cell_px));
-  index.ForNeighbours(view, centre->x_px, reach, [&](int other, float /*depth*/) {
-    const SurfacePatch& q = patches[other];
+  neighbours.reserve(static_cast<std::size_t>((2 * reach + 1) * (2 * reach + 1)));
+  const float focal_px = static_cast<float>(scene.views[view].focal_px), depth = static_cast<float>(seen.depth);
+  index.ForNeighbours(view, centre_px, reach, [&](const CellIndex::Entry& other) {
+    const Eigen::Vector2f d = (other.centre_px - centre_px.cast<float>()) / static_cast<float>(reach_px);
+    if (other.patch == leave_out || d.squaredNorm() > 1) return;
     // A patch that looks the other way is another side of a thin part.
-    if (other == leave_out || q.normal_in_world.dot(patch.normal_in_world) < 0) return;
-    const std::optional<Pixel> pixel = scene.Project(view, q.centre_in_world);
-    if (!pixel) return;
-    const Eigen::Vector2d d = pixel->x_px - centre->x_px;
-    if (d.squaredNorm() > reach_px * reach_px) return;
-    Neighbour n;
-    n.basis << 1, d.x(), d.y(), d.x() * d.x(), d.x() * d.y(), d.y() * d.y();
-    n.depth_px = scene.views[view].focal_px * (centre->depth / pixel->depth - 1);
-    n.weight = std::exp(-2 * d.squaredNorm() / (reach_px * reach_px));
-    neighbours.push_back(n);
+    if (patches[other.patch].normal_in_world.dot(patch.normal_in_world) < 0) return;
+    neighbours.push_back(MakeNeighbour(d, focal_px * (depth - other.depth) / other.depth));
   });
   return neighbours;
+}
+
+/// One step of iteratively reweighted least squares with Cauchy weights. Returns their sum, the number of neighbours
+/// that agree with `c`.
+float Reweigh(const std::vector<Neighbour>& neighbours, float scale_px, Coefficients& c) {
+  Eigen::Array<float, 16, 1> moments = Eigen::Array<float, 16, 1>::Zero();
+  Eigen::Array<float, 8, 1> right = Eigen::Array<float, 8, 1>::Zero(), at = Eigen::Array<float, 8, 1>::Zero();
+  at.head<6>() = c.cast<float>().array();
+  float agreeing = 0;
+  for (const Neighbour& n : neighbours) {
+    const float residual = (n.depth_px - (at * n.monomials.head<8>()).sum()) / scale_px;
+    const float robust = 1 / (1 + residual * residual);
+    agreeing += robust;
+    moments += n.weight * robust * n.monomials;
+    right += n.weight * robust * n.depth_px * n.monomials.head<8>();
+  }
+  Eigen::Matrix<double, 6, 6> hessian;
+  for (int i = 0; i < 6; ++i) {
+    for (int j = 0; j < 6; ++j) hessian(i, j) = static_cast<double>(moments[kMoment[i][j]]);
+  }
+  constexpr double kTinyShare = 1e-6;  // neighbours on a line leave the rest to this
+  hessian.diagonal().array() += kTinyShare * hessian(0, 0);
+  c = hessian.ldlt().solve(right.head<6>().matrix().cast<double>());
+  return agreeing;
 }
 
 /// Slopes of the patch's own plane in the same units.
@@ -64,31 +98,22 @@ std::optional<LocalSurface> FitLocalSurface(const StereoScene& scene, const std:
                                             const CellIndex& index, const SurfacePatch& patch, int leave_out) {
   const std::vector<Neighbour> neighbours = CollectNeighbours(scene, patches, index, patch, leave_out);
   if (static_cast<int>(neighbours.size()) < kMinNeighbours) return std::nullopt;
+  const double reach_px = kReachInWindows * scene.options.window_px;
   Coefficients c = Coefficients::Zero();
-  c.segment<2>(1) = OwnSlope(scene, patch);
+  c.segment<2>(1) = reach_px * OwnSlope(scene, patch);
   double scale_px = kFirstScalePx;
   const double shrink = std::pow(kLastScalePx / kFirstScalePx, 1.0 / (kRobustIterations - 1));
-  double agreeing = 0;
+  float agreeing = 0;
   for (int iteration = 0; iteration < kRobustIterations; ++iteration, scale_px *= shrink) {
-    Eigen::Matrix<double, 6, 6> hessian = Eigen::Matrix<double, 6, 6>::Zero();
-    Coefficients gradient = Coefficients::Zero();
-    agreeing = 0;
-    for (const Neighbour& n : neighbours) {
-      const double residual = (n.depth_px - c.dot(n.basis)) / scale_px;
-      const double robust = 1 / (1 + residual * residual);
-      agreeing += robust;
-      hessian.selfadjointView<Eigen::Lower>().rankUpdate(n.basis, n.weight * robust);
-      gradient += n.weight * robust * n.depth_px * n.basis;
-    }
-    hessian.diagonal().array() += 1e-9 * hessian(0, 0);  // neighbours on a line leave the rest to this
-    c = hessian.selfadjointView<Eigen::Lower>().ldlt().solve(gradient);
+    agreeing = Reweigh(neighbours, static_cast<float>(scale_px), c);
     if (!c.allFinite()) return std::nullopt;
   }
   if (agreeing < kMinNeighbours) return std::nullopt;
   LocalSurface surface;
   surface.value_px = c[0];
-  surface.slope = c.segment<2>(1);
+  surface.slope = c.segment<2>(1) / reach_px;
   surface.curvature_per_px << 2 * c[3], c[4], c[4], 2 * c[5];
+  surface.curvature_per_px /= reach_px * reach_px;
   surface.num_neighbours = static_cast<int>(agreeing);
   return surface;
 }

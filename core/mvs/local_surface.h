@@ -23,9 +23,10 @@ std::optional<LocalSurface> FitLocalSurface(const StereoScene& scene, const std:
                                             const CellIndex& index, const SurfacePatch& patch, int leave_out);
 
 /// Moves every patch onto the surface that it and its neighbours lie on together, with that surface's normal. This also
-/// takes out what a flat window gets wrong on a curved surface: a plane through a window of half-width h lies
-/// <u^2> / 2 * (w_uu + w_vv) beside the surface at its centre, <u^2> = h (h + 1) / 3 being the mean square of u.
-/// False when stopped.
+/// takes out what a flat window gets wrong on a curved surface: a plane through a window lies
+/// <u^2> / 2 * (w_uu + w_vv) beside the surface at its centre. <u^2> = h (h + 1) / 3 is that of a window of half-width
+/// h with equal weights: more than the weights say, less than what smooth textures do (measured on balls). False when
+/// stopped.
 bool SmoothPatches(const StereoScene& scene, const Execution& execution, std::vector<SurfacePatch>& patches);
 
 }  // namespace rigcal::stereo

@@ -38,7 +38,7 @@ Result<std::vector<Patch>> Reconstruct(const ImageSet& images, const RigCalibrat
     if (!kept) return Cancelled("the stereo");
     surface.patches = std::move(*kept);
     surface.cells.ClearFilled();
-    for (const stereo::SurfacePatch& patch : surface.patches) surface.cells.Fill(scene, patch);
+    for (const stereo::SurfacePatch& patch : surface.patches) surface.cells.Fill(patch);
     execution.Report((turn + 2.0) / (kTurns + 1));
   }
   if (!stereo::SmoothPatches(scene, execution, surface.patches)) return Cancelled("the stereo");

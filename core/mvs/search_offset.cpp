@@ -1,4 +1,5 @@
 #include <Eigen/LU>
+#include <array>
 #include <cmath>
 
 #include "core/mvs/window_samples.h"
@@ -29,19 +30,35 @@ Shifts NccAlongRow(const std::array<float, kMaxRegionSide * kMaxRegionSide>& reg
       .select(product / variance.max(kMinWindowContrast * kMinWindowContrast).sqrt(), 0.0f);
 }
 
+/// Grey values of a square of samples about the warp's centre, less the one at the centre (for the rounding's sake).
+void SampleRegion(const cv::Mat1f& gray, int side, const WindowWarp& warp,
+                  std::array<float, kMaxRegionSide * kMaxRegionSide>& region) {
+  std::array<float, kMaxRegionSide> x, y;
+  const int half = side / 2;
+  for (int row = 0; row < side; ++row) {
+    const Eigen::Vector3f left =
+        warp.centre + warp.by_v * static_cast<float>(row - half) - warp.by_u * static_cast<float>(half);
+    for (int i = 0; i < side; ++i) {
+      const float d = static_cast<float>(i), scale = 1 / (left.z() + warp.by_u.z() * d);
+      x[i] = (left.x() + warp.by_u.x() * d) * scale + warp.offset_px.x();
+      y[i] = (left.y() + warp.by_u.y() * d) * scale + warp.offset_px.y();
+    }
+    SampleGrays(gray, x.data(), y.data(), side, region.data() + row * side);
+  }
+  const float centre_value = region[half * side + half];
+  for (int k = 0; k < side * side; ++k) region[k] -= centre_value;
+}
+
 }  // namespace
 
-std::optional<OffsetMatch> SearchOffset(const cv::Mat4f& texels, int window_px, const WindowWarp& warp,
+std::optional<OffsetMatch> SearchOffset(const cv::Mat1f& gray, int window_px, const WindowWarp& warp,
                                         const WindowTexture& reference, int radius_px) {
   int radius = std::min(radius_px, kMaxSearchRadiusPx);
-  while (radius >= 0 && !CanSampleWindow(texels, window_px + 2 * radius, warp)) --radius;
+  while (radius >= 0 && !CanSampleWindow(gray.size(), window_px + 2 * radius, warp)) --radius;
   if (radius < 0) return std::nullopt;
   const int side = window_px + 2 * radius;
-  WindowPlaces<kMaxRegionSide> places;
-  PlaceWindow(side, warp, places);
-  std::array<float, kMaxRegionSide * kMaxRegionSide> region;
-  const float centre_value = SampleGray(texels, warp.CentrePx().x(), warp.CentrePx().y());
-  for (int k = 0; k < side * side; ++k) region[k] = SampleGray(texels, places.x[k], places.y[k]) - centre_value;
+  std::array<float, kMaxRegionSide * kMaxRegionSide> region{};
+  SampleRegion(gray, side, warp, region);
   OffsetMatch best{warp.offset_px, -1};
   for (int row = 0; row <= 2 * radius; ++row) {
     Eigen::Index column = 0;

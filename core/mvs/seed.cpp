@@ -58,7 +58,7 @@ void MatchInView(const StereoScene& scene, const std::vector<Feature>& features,
     const Eigen::Vector2f offset_px = (g - q.head<2>() / q.z()).cast<float>();
     const std::optional<WindowWarp> warp = MakeWarp(scene, *plane, other, offset_px);
     if (!warp) continue;
-    const std::optional<float> ncc = WindowNcc(scene.views[other].texels, scene.options.window_px, *warp, texture);
+    const std::optional<float> ncc = WindowNcc(scene.views[other].gray, scene.options.window_px, *warp, texture);
     if (ncc && *ncc >= kMinPairNcc) matches.push_back({*ncc, *plane, {other, offset_px, *ncc}});
   }
 }

@@ -22,7 +22,7 @@ bool SeedSurface(const StereoScene& scene, const Execution& execution, Surface& 
     if (!finished) return false;
     for (std::optional<SurfacePatch>& seed : seeds) {
       if (!seed || surface.cells.IsFilled(view, surface.cells.CellAt(view, {seed->u_px, seed->v_px}))) continue;
-      surface.cells.Fill(scene, *seed);
+      surface.cells.Fill(*seed);
       surface.patches.push_back(std::move(*seed));
     }
   }

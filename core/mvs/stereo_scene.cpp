@@ -23,6 +23,8 @@ cv::Mat1f ObjectPixels(const ViewImages& pictures, int level) {
   if (pictures.mask.empty()) return cv::Mat1f(size, 1.0f);
   cv::Mat coverage = pictures.mask >= kMaskThreshold;  // 255 or 0
   for (int l = 0; l < level; ++l) cv::pyrDown(coverage, coverage);
+  // MakeTexels() smooths over the next pixel.
+  cv::erode(coverage, coverage, cv::Mat::ones(3, 3, CV_8U), {-1, -1}, 1, cv::BORDER_REPLICATE);
   cv::Mat1f on_object;
   cv::Mat(coverage >= kPureObject).convertTo(on_object, CV_32F, 1.0 / 255);
   return on_object;
@@ -49,6 +51,7 @@ StereoView MakeView(const ViewImages& pictures, const Camera& camera, const Rigi
   const double scale = std::ldexp(1.0, -options.level);
   StereoView view;
   view.texels = MakeTexels(pictures.gray[options.level], ObjectPixels(pictures, options.level));
+  cv::extractChannel(view.texels, view.gray, 0);
   view.full_size = &pictures;
   view.px_from_world = ProjectionMatrix(camera, cam_from_world, options.level);
   view.direction_from_px = view.px_from_world.leftCols<3>().inverse();

@@ -14,6 +14,7 @@ struct StereoView {
   /// Grey value, its derivatives by x and y (differences), and 1 where only the object is seen (else 0):
   /// together, because one position needs them all.
   cv::Mat4f texels;
+  cv::Mat1f gray;                         ///< the grey values of texels alone, a quarter of the memory to go through
   const ViewImages* full_size = nullptr;  ///< for the silhouette; owned by the caller of Reconstruct
   Eigen::Matrix<double, 3, 4> px_from_world;
   Eigen::Matrix3d direction_from_px;  ///< world direction with depth 1 of a homogeneous pixel

@@ -16,13 +16,77 @@ constexpr double kMinCosine = 0.17;
 /// Standard deviation of a window's weights, in window sides.
 constexpr float kWeightSigma = 0.35f;
 
+/// A sample's weight is the product of those of its column and its row.
+float OffsetWeight(int offset_px, int window_px) {
+  const float d = static_cast<float>(offset_px) / (kWeightSigma * static_cast<float>(window_px));
+  return std::exp(-0.5f * d * d);
+}
+
 /// Takes the weighted mean off, weighs, and scales to norm 1, which it returns; nothing when there is nothing to scale.
-std::optional<float> Normalise(const WindowTexture& weights, WindowSamples& samples) {
-  samples = weights.root_weight * (samples - (weights.weight * samples).sum());
+template <typename Samples>
+std::optional<float> Normalise(const Samples& weight, const Samples& root_weight, Samples& samples) {
+  samples = root_weight * (samples - (weight * samples).sum());
   const float norm = std::sqrt(samples.square().sum());
   if (!(norm > kMinWindowContrast)) return std::nullopt;
   samples *= 1 / norm;
   return norm;
+}
+
+template <int kSide>
+float NccOf(const cv::Mat1f& gray, const WindowWarp& warp, const WindowTexture& reference) {
+  using Shape = WindowShape<kSide>;
+  static const typename Shape::Grid kGrid;
+  typename Shape::Places places(warp, kGrid);
+  places.x += warp.offset_px.x(), places.y += warp.offset_px.y();
+  typename Shape::Samples values;
+  SampleGrays(gray, places.x.data(), places.y.data(), Shape::kNumSamples, values.data());
+  const typename Shape::Samples weight = typename Shape::ConstMap(reference.weight.data());
+  const typename Shape::Samples root_weight = typename Shape::ConstMap(reference.root_weight.data());
+  if (!Normalise(weight, root_weight, values)) return 0;
+  return (values * typename Shape::ConstMap(reference.normalised.data())).sum();
+}
+
+template <int kSide>
+std::optional<ViewNormalEquations> LineariseOf(const cv::Mat4f& texels, const WindowWarp& warp,
+                                               const WindowTexture& reference, bool with_offset) {
+  using Shape = WindowShape<kSide>;
+  using Samples = typename Shape::Samples;
+  static const typename Shape::Grid kGrid;
+  const typename Shape::Places places(warp, kGrid);
+  // Derivative of the grey value by w, dw/du, dw/dv, offset x, offset y.
+  std::array<Samples, 5> by;
+  Samples values;
+  for (int k = 0; k < Shape::kNumSamples; ++k) {
+    const Eigen::Array4f texel =
+        SampleTexel(texels, places.x[k] + warp.offset_px.x(), places.y[k] + warp.offset_px.y());
+    values[k] = texel[0], by[3][k] = texel[1], by[4][k] = texel[2];
+  }
+  by[0] = places.scale * (by[3] * (warp.epipole.x() - places.x * warp.epipole.z()) +
+                          by[4] * (warp.epipole.y() - places.y * warp.epipole.z()));
+  by[1] = by[0] * kGrid.du;
+  by[2] = by[0] * kGrid.dv;
+  const Samples weight = typename Shape::ConstMap(reference.weight.data());
+  const Samples root_weight = typename Shape::ConstMap(reference.root_weight.data());
+  const Samples normalised = typename Shape::ConstMap(reference.normalised.data());
+  const std::optional<float> norm = Normalise(weight, root_weight, values);
+  if (!norm) return std::nullopt;
+  // f = (I - mean) / |I - mean|, so df = (P dI) / norm with P the projector across 1 and f; P f = 0 removes f_j itself
+  // from the gradient of |f_j - f_r|^2 / 2.
+  ViewNormalEquations equations;
+  equations.ncc = (values * normalised).sum();
+  equations.hessian.setZero();
+  equations.gradient.setZero();
+  const int columns = with_offset ? 5 : 3;
+  std::array<float, 5> along_f{};
+  for (int c = 0; c < columns; ++c) {
+    by[c] = root_weight * ((by[c] - (weight * by[c]).sum()) * (1 / *norm));
+    along_f[c] = (by[c] * values).sum();
+    equations.gradient[c] = along_f[c] * equations.ncc - (by[c] * normalised).sum();
+    for (int b = 0; b <= c; ++b) {
+      equations.hessian(b, c) = equations.hessian(c, b) = (by[b] * by[c]).sum() - along_f[b] * along_f[c];
+    }
+  }
+  return equations;
 }
 
 }  // namespace
@@ -59,22 +123,21 @@ std::optional<WindowTexture> ReferenceTexture(const StereoScene& scene, const Wi
     return std::nullopt;
   }
   WindowTexture texture;
-  texture.weight.resize(side * side);
-  texture.normalised.resize(side * side);
-  const float falloff = 1 / (2 * kWeightSigma * kWeightSigma * static_cast<float>(side * side));
+  texture.weight.setZero(PaddedSamples(side));
+  texture.normalised.setZero(PaddedSamples(side));
   int k = 0;
   for (int dv = -h; dv <= h; ++dv) {
     const float* p = texels.ptr<float>(plane.v_px + dv) + 4 * (plane.u_px - h);
     for (int du = -h; du <= h; ++du, ++k, p += 4) {
       texture.normalised[k] = p[0];
-      texture.weight[k] = p[3] * std::exp(-static_cast<float>(du * du + dv * dv) * falloff);
+      texture.weight[k] = p[3] * OffsetWeight(du, side) * OffsetWeight(dv, side);
     }
   }
   const float sum = texture.weight.sum();
   if (!(sum > 0)) return std::nullopt;
   texture.weight *= 1 / sum;
   texture.root_weight = texture.weight.sqrt();
-  if (!Normalise(texture, texture.normalised)) return std::nullopt;
+  if (!Normalise(texture.weight, texture.root_weight, texture.normalised)) return std::nullopt;
   return texture;
 }
 
@@ -98,60 +161,16 @@ std::optional<WindowWarp> MakeWarp(const StereoScene& scene, const WindowPlane& 
   return warp;
 }
 
-std::optional<float> WindowNcc(const cv::Mat4f& texels, int window_px, const WindowWarp& warp,
+std::optional<float> WindowNcc(const cv::Mat1f& gray, int window_px, const WindowWarp& warp,
                                const WindowTexture& reference) {
-  if (!CanSampleWindow(texels, window_px, warp)) return std::nullopt;
-  WindowPlaces<kMaxStereoWindowPx> places;
-  PlaceWindow(window_px, warp, places);
-  WindowSamples values(reference.NumSamples());
-  for (int k = 0; k < reference.NumSamples(); ++k) values[k] = SampleGray(texels, places.x[k], places.y[k]);
-  if (!Normalise(reference, values)) return 0.0f;
-  return (values * reference.normalised).sum();
+  if (!CanSampleWindow(gray.size(), window_px, warp)) return std::nullopt;
+  return WithSide(window_px, [&](auto side) { return NccOf<side>(gray, warp, reference); });
 }
 
 std::optional<ViewNormalEquations> LineariseWindow(const cv::Mat4f& texels, int window_px, const WindowWarp& warp,
                                                    const WindowTexture& reference, bool with_offset) {
-  if (!CanSampleWindow(texels, window_px, warp)) return std::nullopt;
-  const int n = reference.NumSamples();
-  WindowPlaces<kMaxStereoWindowPx> places;
-  PlaceWindow(window_px, warp, places);
-  // Derivative of the grey value by w, dw/du, dw/dv, offset x, offset y.
-  std::array<WindowSamples, 5> by;
-  for (WindowSamples& column : by) column.resize(n);
-  WindowSamples values(n);
-  for (int k = 0; k < n; ++k) {
-    const Eigen::Array4f texel = SampleTexel(texels, places.x[k], places.y[k]);
-    values[k] = texel[0], by[3][k] = texel[1], by[4][k] = texel[2];
-  }
-  const int h = window_px / 2;
-  for (int row = 0, k = 0; row < window_px; ++row) {
-    for (int i = 0; i < window_px; ++i, ++k) {
-      by[0][k] =
-          places.scale[k] * (by[3][k] * (warp.epipole.x() - (places.x[k] - warp.offset_px.x()) * warp.epipole.z()) +
-                             by[4][k] * (warp.epipole.y() - (places.y[k] - warp.offset_px.y()) * warp.epipole.z()));
-      by[1][k] = by[0][k] * static_cast<float>(i - h);
-      by[2][k] = by[0][k] * static_cast<float>(row - h);
-    }
-  }
-  const std::optional<float> norm = Normalise(reference, values);
-  if (!norm) return std::nullopt;
-  // f = (I - mean) / |I - mean|, so df = (P dI) / norm with P the projector across 1 and f; P f = 0 removes f_j itself
-  // from the gradient of |f_j - f_r|^2 / 2.
-  ViewNormalEquations equations;
-  equations.ncc = (values * reference.normalised).sum();
-  equations.hessian.setZero();
-  equations.gradient.setZero();
-  const int columns = with_offset ? 5 : 3;
-  std::array<float, 5> along_f{};
-  for (int c = 0; c < columns; ++c) {
-    by[c] = reference.root_weight * ((by[c] - (reference.weight * by[c]).sum()) * (1 / *norm));
-    along_f[c] = (by[c] * values).sum();
-    equations.gradient[c] = along_f[c] * equations.ncc - (by[c] * reference.normalised).sum();
-    for (int b = 0; b <= c; ++b) {
-      equations.hessian(b, c) = equations.hessian(c, b) = (by[b] * by[c]).sum() - along_f[b] * along_f[c];
-    }
-  }
-  return equations;
+  if (!CanSampleWindow(texels.size(), window_px, warp)) return std::nullopt;
+  return WithSide(window_px, [&](auto side) { return LineariseOf<side>(texels, warp, reference, with_offset); });
 }
 
 }  // namespace rigcal::stereo

@@ -27,16 +27,19 @@ Eigen::Vector3d NormalInWorld(const StereoScene& scene, const WindowPlane& plane
 /// A window whose grey values vary less than a quarter of an 8-bit step (rms) shows nothing but rounding.
 inline constexpr float kMinWindowContrast = 0.25f / 255;
 
-inline constexpr int kMaxWindowSamples = kMaxStereoWindowPx * kMaxStereoWindowPx;
+/// Windows are stored in whole vectors of 8 samples; what is beyond side * side has weight 0.
+constexpr int PaddedSamples(int side) {
+  return (side * side + 7) / 8 * 8;
+}
+inline constexpr int kMaxWindowSamples = PaddedSamples(kMaxStereoWindowPx);
 using WindowSamples = Eigen::Array<float, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxWindowSamples, 1>;
 
 /// A window's grey values, row by row, weighed: less towards its edge, so that what is around the centre decides on a
-/// curved surface, and nothing off the object.
+/// curved surface, and nothing off the object. All have PaddedSamples(side) entries.
 struct WindowTexture {
   WindowSamples weight;       ///< sum 1
   WindowSamples root_weight;  ///< square roots
   WindowSamples normalised;   ///< root_weight * (value - weighted mean) / norm: sum of squares 1
-  [[nodiscard]] int NumSamples() const { return static_cast<int>(weight.size()); }
 };
 
 /// The window's texture in its reference view; nothing when it leaves the image or shows nothing at all.
@@ -68,7 +71,7 @@ std::optional<WindowWarp> MakeWarp(const StereoScene& scene, const WindowPlane& 
                                    const Eigen::Vector2f& offset_px);
 
 /// NCC of a view with the reference, bilinear; nothing when the window leaves the image.
-std::optional<float> WindowNcc(const cv::Mat4f& texels, int window_px, const WindowWarp& warp,
+std::optional<float> WindowNcc(const cv::Mat1f& gray, int window_px, const WindowWarp& warp,
                                const WindowTexture& reference);
 
 /// One view's share of the least-squares problem min sum_j |f_j - f_r|^2 over normalised textures
@@ -91,7 +94,7 @@ struct OffsetMatch {
   float ncc;
 };
 inline constexpr int kMaxSearchRadiusPx = 8;
-std::optional<OffsetMatch> SearchOffset(const cv::Mat4f& texels, int window_px, const WindowWarp& warp,
+std::optional<OffsetMatch> SearchOffset(const cv::Mat1f& gray, int window_px, const WindowWarp& warp,
                                         const WindowTexture& reference, int radius_px);
 
 }  // namespace rigcal::stereo
