@@ -3,6 +3,7 @@
 #include <ceres/ceres.h>
 
 #include <algorithm>
+#include <map>
 #include <memory>
 
 #include "core/rig/residuals.h"
@@ -43,8 +44,7 @@ class Bundle {
       IntrinsicVector::Map(intrinsics_.emplace_back().data()) = camera.Intrinsics();
     }
     for (const View& view : calibration.views) poses_.push_back(PoseBlockOf(view.cam_from_world));
-    if (cauchy_scale > 0) loss_ = std::make_unique<ceres::CauchyLoss>(cauchy_scale);
-    AddFeatures(calibration, measurements);
+    AddFeatures(cauchy_scale, calibration, measurements);
     AddPriors(terms, calibration);
     HoldFixed(terms.free);
   }
@@ -85,9 +85,19 @@ class Bundle {
   }
 
  private:
-  void AddFeatures(const RigCalibration& calibration, const MeasurementSet& measurements) {
+  /// The loss of all features of a weight; its scale stays that of one feature.
+  ceres::LossFunction* LossOf(double weight, double cauchy_scale) {
+    auto& loss = losses_[weight];
+    if (!loss) {
+      ceres::LossFunction* robust = cauchy_scale > 0 ? new ceres::CauchyLoss(cauchy_scale) : nullptr;
+      loss = std::make_unique<ceres::ScaledLoss>(robust, weight, ceres::TAKE_OWNERSHIP);
+    }
+    return loss.get();
+  }
+
+  void AddFeatures(double cauchy_scale, const RigCalibration& calibration, const MeasurementSet& measurements) {
     for (const Measurement& m : measurements.items) {
-      problem_.AddResidualBlock(new FeatureResidual(m.x_px, m.whitening), loss_.get(),
+      problem_.AddResidualBlock(new FeatureResidual(m.x_px, m.whitening), LossOf(m.weight, cauchy_scale),
                                 intrinsics_[calibration.views[m.view].camera].data(), poses_[m.view].data(),
                                 points_[m.point].data());
     }
@@ -143,8 +153,8 @@ class Bundle {
   std::vector<Eigen::Vector3d> points_;
   PoseManifold pose_manifold_;
   std::vector<std::unique_ptr<ceres::SubsetManifold>> subsets_;
-  std::unique_ptr<ceres::LossFunction> loss_;
-  ceres::Problem problem_;  // last: it uses the others until it is destroyed
+  std::map<double, std::unique_ptr<ceres::LossFunction>> losses_;  ///< by weight: one for each view and source
+  ceres::Problem problem_;                                         // last: it uses the others until it is destroyed
 };
 
 }  // namespace

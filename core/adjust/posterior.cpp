@@ -17,7 +17,8 @@ Posterior PosteriorAt(const RigCalibration& solution, const MeasurementSet& meas
                       const BundleTerms& terms, const TrackSet& tracks) {
   MeasurementSet weighted = measurements;
   for (std::size_t i = 0; i < weighted.items.size(); ++i) {
-    weighted.items[i].whitening *= std::sqrt(noise.weight[i]) / noise.weighted_sigma;
+    const double weight = noise.weight[i] * measurements.items[i].weight;
+    weighted.items[i].whitening *= std::sqrt(weight) / noise.weighted_sigma;
   }
   const Eigen::MatrixXd features = FeatureInformation(solution, terms.free, weighted);
   const Eigen::MatrixXd all = features + SeedInformation(solution, terms.free, terms.anchors, terms.anchor_sigma_px) +

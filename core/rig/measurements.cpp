@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/geometry/triangulate.h"
@@ -41,6 +42,21 @@ Eigen::Matrix2d Whitening(const Observation& observation, double sigma_px, doubl
   const double scale = std::clamp(ratio, kMinSigmaRatio, kMaxSigmaRatio) / ratio * sigma_px;
   const Eigen::Matrix2d covariance_px2 = scale * scale * relative;
   return covariance_px2.llt().matrixL().solve(Eigen::Matrix2d::Identity());
+}
+
+/// N independent errors of sigma s beside a common one of sigma c: the mean is known to s^2 / N + c^2, as from
+/// N / (1 + N c^2 / s^2) independent ones.
+void WeighBySystematicError(const TrackSet& tracks, int num_views, const MeasurementNoise& noise, MeasurementSet& set) {
+  const auto is_sparse = [&](const Measurement& m) {
+    return tracks.tracks[set.track[m.point]].source == TrackSource::kSparse;
+  };
+  std::vector<std::array<int, 2>> num_features(static_cast<std::size_t>(num_views));
+  for (const Measurement& m : set.items) ++num_features[m.view][is_sparse(m) ? 1 : 0];
+  for (Measurement& m : set.items) {
+    const double sigma_px = is_sparse(m) ? noise.sparse_sigma_px : noise.observation_sigma_px;
+    const double ratio = noise.systematic_sigma_px / sigma_px;
+    m.weight = 1 / (1 + num_features[m.view][is_sparse(m) ? 1 : 0] * ratio * ratio);
+  }
 }
 
 }  // namespace
@@ -82,6 +98,7 @@ MeasurementSet MeasurementsOf(const RigCalibration& calibration, const TrackSet&
     set.track.push_back(t);
     set.x_in_world.push_back(track.x_in_world);
   }
+  WeighBySystematicError(tracks, calibration.NumViews(), noise, set);
   return set;
 }
 

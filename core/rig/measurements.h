@@ -19,6 +19,10 @@ struct MeasurementNoise {
   /// Shape and size of each feature's uncertainty from Observation::covariance_px2, scaled so that the median feature
   /// has observation_sigma_px (DESIGN.md section 3, point 8); identity counts as unknown and gets the plain sigma.
   bool weight_by_covariance = false;
+  /// Error that a view's features of one source share, so that more of them do not average it out (distortion that the
+  /// camera file leaves out, surfaces that are not flat, JPEG): together they are worth no more than one measurement
+  /// this good. 0: all errors are independent.
+  double systematic_sigma_px = 0;
 };
 
 /// One feature, ready for least squares: whitening * (projection - x_px) has unit variance.
@@ -27,6 +31,7 @@ struct Measurement {
   int view = 0;
   Eigen::Vector2d x_px;
   Eigen::Matrix2d whitening;
+  double weight = 1;  ///< in (0, 1]: how much it counts, see MeasurementNoise::systematic_sigma_px
 };
 
 /// What an adjustment works on: the tracks without the held-out ones, flattened, ordered by point.

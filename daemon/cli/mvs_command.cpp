@@ -44,9 +44,7 @@ Result<std::size_t> MakePatches(const MvsArguments& arguments, RunContext& conte
   const Result<LoadedImages> loaded = LoadPictures(arguments, calibration, context);
   if (!loaded) return Fail(loaded.error());
   StereoOptions options = arguments.stereo;
-  const double expected_error_px =
-      arguments.expected_error_px > 0 ? arguments.expected_error_px : static_cast<double>(1 << options.level);
-  options.expected_error_px.assign(calibration.views.size(), expected_error_px);
+  options.expected_error_px.assign(calibration.views.size(), arguments.expected_error_px);
   const auto patches = context.Time("stereo", -1, [&](const Execution& execution) {
     return Reconstruct(loaded->images, calibration, options, execution);
   });
@@ -87,15 +85,16 @@ void AddMvsCommand(CLI::App& app, CommandSession& session) {
       ->check(CLI::Range(1, 16))
       ->capture_default_str();
   command->add_option("--window", arguments->stereo.window_px, "Side of the correlation window, pixels of the level")
-      ->check(CLI::Range(3, 31))
+      ->check(CLI::IsMember({3, 5, 7, 9, 11, 13, 15}))
       ->capture_default_str();
   command->add_option("--min-views", arguments->stereo.min_views, "Least number of views of a patch")
       ->check(CLI::Range(2, 100))
       ->capture_default_str();
   command
       ->add_option("--expected-error-px", arguments->expected_error_px,
-                   "How many full-size pixels the cameras may be off; default: one pixel of the level")
-      ->check(CLI::PositiveNumber);
+                   "How many full-size pixels the cameras may be off; 0: they are exact")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   command->callback([arguments, &session] { session.exit_status = RunMvs(*arguments, session); });
 }
 

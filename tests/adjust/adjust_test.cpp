@@ -50,6 +50,22 @@ TEST(Adjust, SingleAxisMotionNeedsTheAspectPrior) {
   EXPECT_LT(sphere->report.weakest_directions_px[0], 0.1);
 }
 
+// Errors that all features share do not average out: four times the features halve the stated sigma only without them.
+TEST(Adjust, ASharedErrorKeepsTheStatedSigmaFromFalling) {
+  Scene all = MakeScene(Hemisphere(16), 6, {.sigma_px = 0.3});
+  Scene quarter = all;
+  quarter.tracks.tracks.clear();
+  for (std::size_t t = 0; t < all.tracks.tracks.size(); t += 4) quarter.tracks.tracks.push_back(all.tracks.tracks[t]);
+  const auto sigma_ratio = [&](double systematic_sigma_px) {
+    all.options.noise.systematic_sigma_px = quarter.options.noise.systematic_sigma_px = systematic_sigma_px;
+    const auto few = quarter.Run(), many = all.Run();
+    Ensure(few && many, "both runs end");
+    return std::sqrt(few->calibration.covariance->joint(kFx, kFx) / many->calibration.covariance->joint(kFx, kFx));
+  };
+  EXPECT_NEAR(sigma_ratio(0), 2.0, 0.3);
+  EXPECT_LT(sigma_ratio(0.1), 1.3);
+}
+
 TEST(Adjust, KeepsTheSeedsFrameAndScale) {
   Scene scene = MakeScene(Hemisphere(12), 4, {.sigma_px = 0.3});
   const auto reference = scene.Run();

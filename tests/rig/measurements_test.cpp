@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "tests/adjust/synthetic_rig.h"
 
 namespace rigcal {
@@ -49,6 +51,28 @@ TEST(MeasurementsOf, ScalesCovariancesToTheMedianFeature) {
   EXPECT_NEAR(special(0, 0), 4 * 0.09, 1e-9);
   EXPECT_NEAR(special(1, 1), 0.09, 1e-9);
   EXPECT_NEAR(set.items[1].whitening(0, 0), 1 / 0.3, 1e-9);
+}
+
+// What a view's features of one source know together: the sum of weight / sigma^2 per coordinate.
+TEST(MeasurementsOf, ASharedErrorLimitsWhatASourceOfAViewKnows) {
+  Random random(1);
+  const RigCalibration rig = Ring(6);
+  TrackSet tracks = Observe(rig, Surface(2000, random), {.sigma_px = 0}, random);
+  for (std::size_t t = 0; t < tracks.tracks.size(); t += 4) tracks.tracks[t].source = TrackSource::kSparse;
+  const MeasurementNoise noise{.observation_sigma_px = 0.3, .sparse_sigma_px = 0.6, .systematic_sigma_px = 0.02};
+  const MeasurementSet set = MeasurementsOf(rig, tracks, noise);
+  std::array<double, 2> information{}, independent{};
+  for (const Measurement& m : set.items) {
+    if (m.view != 2) continue;
+    const std::size_t source = set.track[m.point] % 4 == 0 ? 1 : 0;
+    const double squared = m.whitening(0, 0) * m.whitening(0, 0);
+    information[source] += m.weight * squared, independent[source] += squared;
+  }
+  for (const std::size_t source : {0u, 1u}) {
+    EXPECT_GT(independent[source], 0.1 / (0.02 * 0.02));  // else the limit says nothing
+    EXPECT_NEAR(1 / information[source], 1 / independent[source] + 0.02 * 0.02, 1e-9);
+  }
+  for (const Measurement& m : MeasurementsOf(rig, tracks, {}).items) EXPECT_EQ(m.weight, 1);
 }
 
 TEST(TriangulateTrack, UndoesDistortion) {
