@@ -55,7 +55,6 @@ Result<RefinedRig> RefineRig(const ImageSet& images, const RigCalibration& seed,
       return Match(images, state->calibration, *patches, MatchOptionsFor(*state, options), execution);
     });
     if (!tracks) return Fail(tracks.error());
-    Append(state->sparse_tracks, *tracks);
     HoldOut(*tracks, options.holdout_share, options.random_seed);
 
     Result<Adjustment> adjusted = context.Time("adjust", state->round, [&](const Execution& execution) {

@@ -12,8 +12,6 @@ namespace rigcal {
 
 /// Where the rounds stand: the cameras so far and how wrong each view may be.
 struct RefineState {
-  /// Of the approach. They stay beside the patches' tracks, whose errors are of another kind.
-  TrackSet sparse_tracks;
   RigCalibration calibration;
   double initial_error_px = 0;            ///< Er of the run
   std::vector<double> expected_error_px;  ///< Er of each view

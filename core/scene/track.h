@@ -29,8 +29,4 @@ struct TrackSet {
   std::vector<Track> tracks;
 };
 
-inline void Append(const TrackSet& more, TrackSet& tracks) {
-  tracks.tracks.insert(tracks.tracks.end(), more.tracks.begin(), more.tracks.end());
-}
-
 }  // namespace rigcal
