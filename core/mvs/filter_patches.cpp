@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <set>
 
 #include "core/mvs/local_surface.h"
@@ -24,7 +23,7 @@ struct Judge {
   const CellIndex& index;
 };
 
-/// Removes the hidden ones but the reference, which counts as one that is left.
+/// Removes the hidden ones but the reference, which counts as one that is left; the NCC is then that of the rest.
 void KeepSightings(const std::vector<char>& hidden, SurfacePatch& patch) {
   std::size_t next = 0;
   for (std::size_t i = 0; i < hidden.size(); ++i) {
@@ -33,6 +32,9 @@ void KeepSightings(const std::vector<char>& hidden, SurfacePatch& patch) {
     ++next;
   }
   patch.sightings.resize(next), patch.pixels.resize(next);
+  float sum = 0;
+  for (std::size_t i = 1; i < next; ++i) sum += patch.sightings[i].ncc;
+  patch.ncc = next > 1 ? sum / static_cast<float>(next - 1) : 0;
 }
 
 /// Which of a patch's sightings lie behind another surface.
