@@ -135,13 +135,13 @@ MaskKind KindOf(Background background) {
 }
 
 /// Silhouettes for `--masks auto`, found among all pictures of one piece of hardware.
-void FindMasks(const RigCalibration& calibration, LoadedImages& loaded) {
+void FindMasks(const RigCalibration& calibration, const Execution& execution, LoadedImages& loaded) {
   std::map<std::string, std::vector<int>> views_by_hardware;
   for (int v = 0; v < calibration.NumViews(); ++v) views_by_hardware[calibration.CameraOf(v).physical_id].push_back(v);
   for (const auto& [hardware, views] : views_by_hardware) {
     std::vector<cv::Mat1f> pictures;
     for (int v : views) pictures.push_back(loaded.images.views[v].gray[0]);
-    const Silhouettes silhouettes = FindSilhouettes(pictures);
+    const Silhouettes silhouettes = FindSilhouettes(pictures, execution);
     Ensure(silhouettes.masks.size() == views.size(), "there is one silhouette for each picture");
     for (std::size_t i = 0; i < views.size(); ++i) {
       loaded.images.views[views[i]].mask = silhouettes.masks[i];
@@ -199,7 +199,8 @@ Result<LoadedImages> LoadImages(const std::filesystem::path& folder, RigCalibrat
     loaded.images.views.push_back(std::move(view.images));
   }
   loaded.files.insert(loaded.files.end(), mask_files.begin(), mask_files.end());
-  if (options.masks == MaskSource::kAuto) FindMasks(calibration, loaded);
+  if (options.masks == MaskSource::kAuto) FindMasks(calibration, execution, loaded);
+  if (execution.Stopped()) return Cancelled("loading the images");
   return loaded;
 }
 

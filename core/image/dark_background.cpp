@@ -81,27 +81,39 @@ std::optional<double> Threshold(const Histogram& histogram) {
   return static_cast<double>(bin - histogram.begin()) / kBins;
 }
 
+struct DarkMask {
+  cv::Mat1b object;
+  double bright_border = 0;  ///< share of the border that is not dark
+};
+
+DarkMask MaskOf(const cv::Mat1f& picture, double threshold) {
+  cv::Mat1f smooth;
+  cv::GaussianBlur(picture, smooth, cv::Size(), kSmoothing_px);
+  cv::Mat1b bright;
+  cv::compare(smooth, threshold, bright, cv::CMP_GE);
+  // Smoothing and a threshold at the foot of the cloth's peak put the outline a pixel too far out (measured).
+  cv::erode(bright, bright, cv::getStructuringElement(cv::MORPH_CROSS, cv::Size(3, 3)));
+  bright = WithoutSpecks(bright);
+  const double spot_px = kSpotShare * cv::countNonZero(bright);
+  return {WithHolesFilled(bright, [&](const Hole& hole) { return hole.area_px <= spot_px; }), SetShareOfBorder(bright)};
+}
+
 }  // namespace
 
-std::vector<cv::Mat1b> MasksOnDark(const std::vector<cv::Mat1f>& pictures) {
+std::vector<cv::Mat1b> MasksOnDark(const std::vector<cv::Mat1f>& pictures, const Execution& execution) {
   if (pictures.empty()) return {};
   const auto threshold = Threshold(HistogramOf(pictures));
   if (!threshold) return {};
+  std::vector<DarkMask> found(pictures.size());
+  const bool finished = ParallelFor(execution, static_cast<int>(pictures.size()),
+                                    [&](int i) { found[i] = MaskOf(pictures[i], *threshold); });
+  if (!finished) return {};
   std::vector<cv::Mat1b> masks;
   double bright_border = 0;
-  for (const cv::Mat1f& picture : pictures) {
-    cv::Mat1f smooth;
-    cv::GaussianBlur(picture, smooth, cv::Size(), kSmoothing_px);
-    cv::Mat1b mask;
-    cv::compare(smooth, *threshold, mask, cv::CMP_GE);
-    // Smoothing and a threshold at the foot of the cloth's peak put the outline a pixel too far out (measured).
-    cv::erode(mask, mask, cv::getStructuringElement(cv::MORPH_CROSS, cv::Size(3, 3)));
-    mask = WithoutSpecks(mask);
-    const double border = SetShareOfBorder(mask);
-    if (border > 1 - kDarkBorderOfEach) return {};
-    bright_border += border / static_cast<double>(pictures.size());
-    const double spot_px = kSpotShare * cv::countNonZero(mask);
-    masks.push_back(WithHolesFilled(mask, [&](const cv::Mat1b&, int area_px) { return area_px <= spot_px; }));
+  for (const DarkMask& mask : found) {
+    if (mask.bright_border > 1 - kDarkBorderOfEach) return {};
+    bright_border += mask.bright_border / static_cast<double>(pictures.size());
+    masks.push_back(mask.object);
   }
   if (bright_border > 1 - kDarkBorder) return {};
   return masks;

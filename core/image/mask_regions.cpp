@@ -41,7 +41,7 @@ cv::Mat1b WithoutSpecks(const cv::Mat1b& mask) {
   return kept;
 }
 
-cv::Mat1b WithHolesFilled(const cv::Mat1b& mask, const std::function<bool(const cv::Mat1b&, int)>& is_object) {
+cv::Mat1b WithHolesFilled(const cv::Mat1b& mask, const std::function<bool(const Hole&)>& is_object) {
   cv::Mat1b unset;
   cv::bitwise_not(mask, unset);
   cv::Mat1i labels, stats;
@@ -53,9 +53,9 @@ cv::Mat1b WithHolesFilled(const cv::Mat1b& mask, const std::function<bool(const 
                        stats(i, cv::CC_STAT_HEIGHT));
     const bool reaches_edge = box.x == 0 || box.y == 0 || box.br().x == mask.cols || box.br().y == mask.rows;
     if (reaches_edge) continue;
-    cv::Mat1b region;
-    cv::compare(labels, i, region, cv::CMP_EQ);
-    if (is_object(region, stats(i, cv::CC_STAT_AREA))) filled.setTo(255, region);
+    Hole hole{box, {}, stats(i, cv::CC_STAT_AREA)};
+    cv::compare(labels(box), i, hole.region, cv::CMP_EQ);
+    if (is_object(hole)) filled(box).setTo(255, hole.region);
   }
   return filled;
 }

@@ -17,9 +17,14 @@ double SetShareOfBorder(const cv::Mat1b& mask);
 /// Only the connected regions that are not small against the largest one (at least 0.5 % of its area).
 cv::Mat1b WithoutSpecks(const cv::Mat1b& mask);
 
-/// Fills the holes (unset regions that do not reach the edge of the picture) for which `is_object(region, area_px)` is
-/// true; region is 255 in the hole.
-cv::Mat1b WithHolesFilled(const cv::Mat1b& mask,
-                          const std::function<bool(const cv::Mat1b& region, int area_px)>& is_object);
+/// An unset region of a mask that does not reach the edge of the picture.
+struct Hole {
+  cv::Rect box;      ///< in the picture
+  cv::Mat1b region;  ///< of the box's size, 255 in the hole
+  int area_px = 0;
+};
+
+/// Fills the holes for which is_object is true.
+cv::Mat1b WithHolesFilled(const cv::Mat1b& mask, const std::function<bool(const Hole&)>& is_object);
 
 }  // namespace rigcal

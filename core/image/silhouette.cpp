@@ -27,11 +27,11 @@ std::optional<Silhouettes> Accept(Background background, std::vector<cv::Mat1b> 
 
 }  // namespace
 
-Silhouettes FindSilhouettes(const std::vector<cv::Mat1f>& pictures) {
-  if (auto masks = MasksOnDark(pictures); !masks.empty()) {
+Silhouettes FindSilhouettes(const std::vector<cv::Mat1f>& pictures, const Execution& execution) {
+  if (auto masks = MasksOnDark(pictures, execution); !masks.empty()) {
     if (auto found = Accept(Background::kDark, std::move(masks))) return std::move(*found);
   }
-  if (auto masks = MasksOnStatic(pictures); !masks.empty()) {
+  if (auto masks = MasksOnStatic(pictures, execution); !masks.empty()) {
     if (auto found = Accept(Background::kStatic, std::move(masks))) return std::move(*found);
   }
   return {Background::kNone, std::vector<cv::Mat1b>(pictures.size()), std::vector<double>(pictures.size(), 1.0)};

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "core/base/execution.h"
+
 namespace rigcal {
 
 /// What the silhouettes of one physical camera's pictures were told from.
@@ -20,7 +22,7 @@ struct Silhouettes {
 };
 
 /// Silhouettes of the object in all pictures (grey, [0, 1]) of one physical camera, without being told what the
-/// background is (`--masks auto`). Errs on the side of kNone: a wrong mask costs more than none.
-Silhouettes FindSilhouettes(const std::vector<cv::Mat1f>& pictures);
+/// background is (`--masks auto`). Errs on the side of kNone: a wrong mask costs more than none. kNone when stopped.
+Silhouettes FindSilhouettes(const std::vector<cv::Mat1f>& pictures, const Execution& execution);
 
 }  // namespace rigcal

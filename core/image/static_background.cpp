@@ -112,6 +112,14 @@ cv::Mat1b ObjectIn(const cv::Mat1f& picture, const cv::Mat1b& unchanged, const B
   return WithoutSpecks(inner);
 }
 
+/// Without holes but those through which the background shows.
+cv::Mat1b WithSpotsFilled(const cv::Mat1b& object, const BackgroundModel& model) {
+  const double spot_px = kSpotShare * cv::countNonZero(object);
+  return WithHolesFilled(object, [&](const Hole& hole) {
+    return hole.area_px <= spot_px || cv::mean(model.shown_share(hole.box), hole.region)[0] < kLeastShown;
+  });
+}
+
 /// Pictures of size_px from one at level `level`: pixel x_0 is taken from x_0 / 2^level.
 cv::Mat1b Enlarged(const cv::Mat1b& mask, int level, cv::Size size_px) {
   if (level == 0) return mask;
@@ -128,34 +136,41 @@ cv::Mat1b Enlarged(const cv::Mat1b& mask, int level, cv::Size size_px) {
 
 }  // namespace
 
-std::vector<cv::Mat1b> MasksOnStatic(const std::vector<cv::Mat1f>& pictures) {
-  if (static_cast<int>(pictures.size()) < kFewestPictures) return {};
+std::vector<cv::Mat1b> MasksOnStatic(const std::vector<cv::Mat1f>& pictures, const Execution& execution) {
+  const int count = static_cast<int>(pictures.size());
+  if (count < kFewestPictures) return {};
   const cv::Size size_px = pictures[0].size();
   int level = 0;
   while (std::max(size_px.width, size_px.height) >> level > kLongestSide_px) ++level;
-  std::vector<cv::Mat1f> small, averaged;
   for (const cv::Mat1f& picture : pictures) {
     if (picture.size() != size_px) return {};
-    small.push_back(BuildPyramid(picture, level + 1)[level]);
-    averaged.emplace_back();
-    cv::blur(small.back(), averaged.back(), cv::Size(kBox_px, kBox_px));
+  }
+  std::vector<cv::Mat1f> small(pictures.size()), averaged(pictures.size());
+  if (!ParallelFor(execution, count, [&](int i) {
+        small[i] = BuildPyramid(pictures[i], level + 1)[level];
+        cv::blur(small[i], averaged[i], cv::Size(kBox_px, kBox_px));
+      })) {
+    return {};
   }
   const double noise = std::max(NoiseOnBorder(averaged), kLeastNoise);
   if (noise > kNoisiestBorder) return {};
   const cv::Mat1f usual = UsualValue(averaged, kBandInSigma * noise);
-  std::vector<cv::Mat1b> unchanged;
-  for (const cv::Mat1f& picture : averaged) unchanged.push_back(Unchanged(picture, usual, kChangeInSigma * noise));
-  const BackgroundModel model = ModelOf(small, unchanged);
-  std::vector<cv::Mat1b> masks;
-  for (std::size_t i = 0; i < small.size(); ++i) {
-    const cv::Mat1b object = ObjectIn(small[i], unchanged[i], model);
-    if (SetShareOfBorder(object) > kMostChangedBorder) return {};
-    const double spot_px = kSpotShare * cv::countNonZero(object);
-    const cv::Mat1b filled = WithHolesFilled(object, [&](const cv::Mat1b& region, int area_px) {
-      return area_px <= spot_px || cv::mean(model.shown_share, region)[0] < kLeastShown;
-    });
-    masks.push_back(Enlarged(filled, level, size_px));
+  std::vector<cv::Mat1b> unchanged(pictures.size());
+  if (!ParallelFor(execution, count,
+                   [&](int i) { unchanged[i] = Unchanged(averaged[i], usual, kChangeInSigma * noise); })) {
+    return {};
   }
+  const BackgroundModel model = ModelOf(small, unchanged);
+  std::vector<cv::Mat1b> masks(pictures.size());
+  std::vector<double> on_border(pictures.size());
+  if (!ParallelFor(execution, count, [&](int i) {
+        const cv::Mat1b object = ObjectIn(small[i], unchanged[i], model);
+        on_border[i] = SetShareOfBorder(object);
+        masks[i] = Enlarged(WithSpotsFilled(object, model), level, size_px);
+      })) {
+    return {};
+  }
+  if (*std::max_element(on_border.begin(), on_border.end()) > kMostChangedBorder) return {};
   return masks;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/features2d.hpp>
+#include <opencv2/imgproc.hpp>
 #include <tuple>
 
 namespace rigcal {
@@ -28,6 +29,19 @@ int WorkingLevel(const ViewImages& view) {
     ++level;
   }
   return level;
+}
+
+/// Around the object, pixels of the working level: the windows of the descriptors of common scales fit.
+constexpr int kMarginPx = 48;
+
+/// The part of the level's picture that shows the object: most of a studio's picture is background.
+cv::Rect ObjectBox(const ViewImages& view, int level) {
+  const cv::Rect all({0, 0}, view.gray[level].size());
+  if (view.mask.empty()) return all;
+  const cv::Rect box = cv::boundingRect(view.mask >= kMaskThreshold);
+  const cv::Point first(box.x >> level, box.y >> level), margin(kMarginPx, kMarginPx);
+  const cv::Point end((box.br().x >> level) + 1, (box.br().y >> level) + 1);
+  return box.empty() ? box : cv::Rect(first - margin, end + margin) & all;
 }
 
 /// Stretched so that the brightest pixel is white: OpenCV's SIFT takes bytes only, and a dark picture would lose its
@@ -72,21 +86,23 @@ void NumberPlaces(SiftFeatures& features) {
 
 SiftFeatures FindSiftFeatures(const ViewImages& view, int max_features) {
   const int level = WorkingLevel(view);
+  const cv::Rect box = ObjectBox(view, level);
+  SiftFeatures features;
+  if (box.empty()) return features;
   const double full_per_level = std::ldexp(1.0, level);
   const auto full_size = [&](const cv::KeyPoint& k) {
-    return Eigen::Vector2d(full_per_level * (static_cast<double>(k.pt.x) - kOpenCvShiftPx),
-                           full_per_level * (static_cast<double>(k.pt.y) - kOpenCvShiftPx));
+    return Eigen::Vector2d(full_per_level * (box.x + static_cast<double>(k.pt.x) - kOpenCvShiftPx),
+                           full_per_level * (box.y + static_cast<double>(k.pt.y) - kOpenCvShiftPx));
   };
   constexpr int kAll = 0;
   const auto sift = cv::SIFT::create(kAll, kLayersPerOctave, kContrastThreshold, kEdgeThreshold, kFirstSigma);
-  const cv::Mat1b bytes = AsBytes(view.gray[level]);
+  const cv::Mat1b bytes = AsBytes(view.gray[level](box));
   std::vector<cv::KeyPoint> found;
   sift->detect(bytes, found);
   std::erase_if(found, [&](const cv::KeyPoint& k) { return !view.IsObject(full_size(k)); });
   std::sort(found.begin(), found.end(), Stronger);
   if (static_cast<int>(found.size()) > max_features) found.resize(static_cast<std::size_t>(max_features));
 
-  SiftFeatures features;
   if (found.empty()) return features;
   cv::Mat descriptors;
   sift->compute(bytes, found, descriptors);

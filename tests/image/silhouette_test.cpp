@@ -47,7 +47,7 @@ Shots Render(sim::Scene scene, sim::Surroundings surroundings, sim::Motion motio
 }
 
 void ExpectFound(const Shots& shots, Background background, double least_iou) {
-  const Silhouettes found = FindSilhouettes(shots.pictures);
+  const Silhouettes found = FindSilhouettes(shots.pictures, Execution{});
   ASSERT_EQ(found.background, background);
   ASSERT_EQ(found.masks.size(), shots.pictures.size());
   for (std::size_t i = 0; i < shots.pictures.size(); ++i) {
@@ -61,7 +61,7 @@ void ExpectFound(const Shots& shots, Background background, double least_iou) {
 /// the object is lost, and what is too much lies within `rim_px` of it.
 void ExpectWithinRim(const Shots& shots, Background background, int rim_px) {
   constexpr double kMaxLost = 0.005, kMaxBeyondRim = 0.005;
-  const Silhouettes found = FindSilhouettes(shots.pictures);
+  const Silhouettes found = FindSilhouettes(shots.pictures, Execution{});
   ASSERT_EQ(found.background, background);
   for (std::size_t i = 0; i < shots.pictures.size(); ++i) {
     const cv::Mat1b& truth = shots.truth[i];
@@ -86,7 +86,7 @@ TEST(FindSilhouettes, StaticBackdropBehindATurningTable) {
 }
 
 void ExpectNone(const std::vector<cv::Mat1f>& pictures) {
-  const Silhouettes found = FindSilhouettes(pictures);
+  const Silhouettes found = FindSilhouettes(pictures, Execution{});
   EXPECT_EQ(found.background, Background::kNone);
   ASSERT_EQ(found.masks.size(), pictures.size());
   for (const cv::Mat1b& mask : found.masks) EXPECT_TRUE(mask.empty());
@@ -126,13 +126,13 @@ class RecordedSilhouettes : public testing::Test {
 };
 
 TEST_F(RecordedSilhouettes, TempleStandsBeforeDarkCloth) {
-  const Silhouettes found = FindSilhouettes(Read("templeSparseRing/*.png"));
+  const Silhouettes found = FindSilhouettes(Read("templeSparseRing/*.png"), Execution{});
   ASSERT_EQ(found.background, Background::kDark);
   for (const double share : found.object_share) EXPECT_NEAR(share, 0.2, 0.12);
 }
 
 TEST_F(RecordedSilhouettes, SquirrelAgreesWithTheContoursDrawnByHand) {
-  const Silhouettes found = FindSilhouettes(Read("squirrel-turntable/image_*.jpg"));
+  const Silhouettes found = FindSilhouettes(Read("squirrel-turntable/image_*.jpg"), Execution{});
   ASSERT_NE(found.background, Background::kNone);
   for (const int picture : {0, 9, 20, 33}) {
     const auto file = data_ / "squirrel-turntable/silhouettes" / ("contour_" + std::to_string(picture) + ".jpg");
@@ -144,7 +144,7 @@ TEST_F(RecordedSilhouettes, SquirrelAgreesWithTheContoursDrawnByHand) {
 }
 
 TEST_F(RecordedSilhouettes, FountainHasNone) {
-  EXPECT_EQ(FindSilhouettes(Read("fountain-P11/*.jpg")).background, Background::kNone);
+  EXPECT_EQ(FindSilhouettes(Read("fountain-P11/*.jpg"), Execution{}).background, Background::kNone);
 }
 
 }  // namespace
