@@ -57,7 +57,8 @@ Json RoundsJson(const std::vector<RoundReport>& rounds) {
                     {"num_observations", round.num_observations},
                     {"reprojection_mean_px", Number(round.reprojection_mean_px)},
                     {"reprojection_std_px", Number(round.reprojection_std_px)},
-                    {"expected_error_px", Numbers(round.expected_error_px)}});
+                    {"expected_error_px", Numbers(round.expected_error_px)},
+                    {"moved_px", Number(round.moved_px)}});
   return json;
 }
 

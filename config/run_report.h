@@ -19,6 +19,7 @@ struct RoundReport {
   double reprojection_mean_px = 0;
   double reprojection_std_px = 0;
   std::vector<double> expected_error_px;  ///< per view: Er with which the round began
+  double moved_px = 0;                    ///< mean motion at the object by the round, after the best similarity
 };
 
 /// How much of a view is object, and how that was told.

@@ -69,8 +69,7 @@ Result<RefinedRig> RefineRig(const ImageSet& images, const RigCalibration& seed,
     }
     if (!adjusted) return Fail(adjusted.error());
 
-    ReportRound(*state, patches->size(), adjusted->report, rig.report);
-    Advance(*state, *adjusted, images, options);
+    FinishRound(*state, patches->size(), *adjusted, images, options, rig.report);
     rig.patches = std::move(*patches);
     rig.tracks = std::move(adjusted->tracks);
   }

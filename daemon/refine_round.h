@@ -39,14 +39,12 @@ AdjustOptions ApproachOptionsFor(const RefineState& state, const RigCalibration&
 /// Takes over the cameras that plain feature tracks gave. Views with little support keep their Er.
 void Approach(RefineState& state, const Adjustment& adjustment, const ImageSet& images, const RefineOptions& options);
 
-/// Takes over the cameras and the new Er of a finished round and chooses the level of the next.
-void Advance(RefineState& state, const Adjustment& adjustment, const ImageSet& images, const RefineOptions& options);
+/// Adds a finished round to the report, takes over its cameras and new Er, and chooses the level of the next.
+void FinishRound(RefineState& state, std::size_t num_patches, const Adjustment& adjustment, const ImageSet& images,
+                 const RefineOptions& options, RunReport& report);
 
 /// Whether the rounds are over: all done, or (kRigcal) the last one moved nothing that counts.
 bool Converged(const RefineState& state, const RefineOptions& options);
-
-/// Adds a finished round to the report. `state` as the round began.
-void ReportRound(const RefineState& state, std::size_t num_patches, const AdjustReport& adjusted, RunReport& report);
 
 /// What the verdict is drawn from.
 ValidationInput EvidenceFor(const ImageSet& images, const RigCalibration& calibration, const TrackSet& tracks,

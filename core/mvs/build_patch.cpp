@@ -158,6 +158,7 @@ std::optional<SurfacePatch> AcceptedPatch(const StereoScene& scene, const PlaneF
   if (!FacesReference(scene, fit.plane)) return std::nullopt;
   patch.centre_in_world = CentreInWorld(scene, fit.plane);
   patch.normal_in_world = NormalInWorld(scene, fit.plane);
+  patch.sigma_px = static_cast<float>(fit.sigma_px);
   patch.u_px = fit.plane.u_px, patch.v_px = fit.plane.v_px;
   if (scene.free_offsets) Triangulate(scene, patch);
   if (!Locate(scene, patch)) return std::nullopt;

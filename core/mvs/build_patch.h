@@ -16,6 +16,7 @@ struct SurfacePatch {
   std::vector<Sighting> sightings;  ///< [0] is the reference view
   std::vector<Pixel> pixels;        ///< of each sighting: where its texture lies (inside the image), and the depth
   float ncc = 0;                    ///< mean over the sightings without the reference
+  float sigma_px = 0;               ///< of the fit, along the ray (PlaneFit)
 };
 
 /// Whether two patches continue each other: |(c - c') . n| + |(c - c') . n'| < 2 rho (PMVS paper, section 2), rho being

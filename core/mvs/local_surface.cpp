@@ -7,8 +7,12 @@
 namespace rigcal::stereo {
 namespace {
 
-/// Neighbours are taken from this far around (window sides), and weigh by a Gaussian of half that.
-constexpr double kReachInWindows = 1.0;
+/// Neighbours are taken from this far around (window sides), and weigh by a Gaussian of half that. Overlapping windows
+/// share their noise: where there is much of it, only neighbours from farther away take it out. On 400 x 300 pixels the
+/// plaster's patches then lie 0.36 px off instead of 0.44 px, 1.9 % instead of 3.2 % of them more than 2 px.
+constexpr double kReachInWindows = 1.0, kFarReachInWindows = 2.0;
+/// SurfacePatch::sigma_px from which that is done: at 0.05 the textured set stays at 0.08 px, without a limit 0.09 px.
+constexpr float kNoisyPx = 0.05f;
 constexpr int kMinNeighbours = 10;  ///< a quadratic has 6 coefficients
 constexpr int kRobustIterations = 4;
 /// Scale of the Cauchy weights, pixels: first as wide as neighbours on a steep surface differ, then down to the scatter
@@ -40,12 +44,12 @@ Neighbour MakeNeighbour(const Eigen::Vector2f& d, float depth_px) {
 }
 
 std::vector<Neighbour> CollectNeighbours(const StereoScene& scene, const std::vector<SurfacePatch>& patches,
-                                         const CellIndex& index, const SurfacePatch& patch, int leave_out) {
+                                         const CellIndex& index, const SurfacePatch& patch, int leave_out,
+                                         double reach_px) {
   std::vector<Neighbour> neighbours;
   const int view = patch.sightings[0].view;
   const Pixel& seen = patch.pixels[0];
   const Eigen::Vector2d centre_px = seen.x_px - patch.sightings[0].offset_px.cast<double>();
-  const double reach_px = kReachInWindows * scene.options.window_px;
   const int reach = static_cast<int>(std::ceil(reach_px / scene.options.cell_px));
   neighbours.reserve(static_cast<std::size_t>((2 * reach + 1) * (2 * reach + 1)));
   const float focal_px = static_cast<float>(scene.views[view].focal_px), depth = static_cast<float>(seen.depth);
@@ -92,13 +96,12 @@ Eigen::Vector2d OwnSlope(const StereoScene& scene, const SurfacePatch& patch) {
   return plane->inverse_depth.tail<2>() * (scene.views[view].focal_px / plane->inverse_depth[0]);
 }
 
-}  // namespace
-
-std::optional<LocalSurface> FitLocalSurface(const StereoScene& scene, const std::vector<SurfacePatch>& patches,
-                                            const CellIndex& index, const SurfacePatch& patch, int leave_out) {
-  const std::vector<Neighbour> neighbours = CollectNeighbours(scene, patches, index, patch, leave_out);
+std::optional<LocalSurface> FitSurface(const StereoScene& scene, const std::vector<SurfacePatch>& patches,
+                                       const CellIndex& index, const SurfacePatch& patch, int leave_out,
+                                       double reach_in_windows) {
+  const double reach_px = reach_in_windows * scene.options.window_px;
+  const std::vector<Neighbour> neighbours = CollectNeighbours(scene, patches, index, patch, leave_out, reach_px);
   if (static_cast<int>(neighbours.size()) < kMinNeighbours) return std::nullopt;
-  const double reach_px = kReachInWindows * scene.options.window_px;
   Coefficients c = Coefficients::Zero();
   c.segment<2>(1) = reach_px * OwnSlope(scene, patch);
   double scale_px = kFirstScalePx;
@@ -118,6 +121,21 @@ std::optional<LocalSurface> FitLocalSurface(const StereoScene& scene, const std:
   return surface;
 }
 
+std::optional<LocalSurface> SurfaceAround(const StereoScene& scene, const std::vector<SurfacePatch>& patches,
+                                          const CellIndex& index, const SurfacePatch& patch) {
+  if (patch.sigma_px >= kNoisyPx) {
+    if (auto far = FitSurface(scene, patches, index, patch, -1, kFarReachInWindows)) return far;
+  }
+  return FitSurface(scene, patches, index, patch, -1, kReachInWindows);
+}
+
+}  // namespace
+
+std::optional<LocalSurface> FitLocalSurface(const StereoScene& scene, const std::vector<SurfacePatch>& patches,
+                                            const CellIndex& index, const SurfacePatch& patch, int leave_out) {
+  return FitSurface(scene, patches, index, patch, leave_out, kReachInWindows);
+}
+
 bool SmoothPatches(const StereoScene& scene, const Execution& execution, std::vector<SurfacePatch>& patches) {
   const CellIndex index(scene, patches);
   const int count = static_cast<int>(patches.size());
@@ -126,7 +144,7 @@ bool SmoothPatches(const StereoScene& scene, const Execution& execution, std::ve
   std::vector<SurfacePatch> smooth = patches;
   const bool finished = ParallelFor(execution, (count + kPatchesPerTask - 1) / kPatchesPerTask, [&](int task) {
     for (int i = task * kPatchesPerTask; i < std::min(count, (task + 1) * kPatchesPerTask); ++i) {
-      const std::optional<LocalSurface> surface = FitLocalSurface(scene, patches, index, patches[i], -1);
+      const std::optional<LocalSurface> surface = SurfaceAround(scene, patches, index, patches[i]);
       if (!surface) continue;
       const int view = patches[i].sightings[0].view;
       const StereoView& camera = scene.views[view];

@@ -22,7 +22,7 @@ RunReport ExampleReport() {
   report.validation.reasons = {{"holdout", 1.5, 1, "px", std::nullopt}, {"support", 3, 100, "features", "ring_01.png"}};
   report.validation.holdout = {2.5, 0.4, 120};
   report.validation.views = {{"ring_00.png", "camera", 3.5, {0.6, -0.8}, 0.1, 250, 0.3}};
-  report.rounds = {{2, 1000, 800, 4000, 0.7, 0.4, {7, 7, 4.5}}};
+  report.rounds = {{2, 1000, 800, 4000, 0.7, 0.4, {7, 7, 4.5}, 1.5}};
   report.views_per_track = {0, 0, 500, 300};
   report.cameras = {{ExampleRing(3).cameras[0], IntrinsicVector::Constant(0.25)}};
   report.masks = {{"ring_00.png", "dark", 0.25}};
