@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "core/base/median.h"
+#include "core/seed/check_board.h"
+#include "core/seed/corner_place.h"
 #include "core/seed/drop_strays.h"
 #include "core/seed/explain_absence.h"
 #include "core/seed/find_tags.h"
@@ -17,30 +19,6 @@
 
 namespace rigcal {
 namespace {
-
-// What surrounds corner k of a tag, by its four corners in the picture.
-CornerPlace PlaceOf(const Board& board, const TagFamily& family, const FoundTag& tag, int k) {
-  const int next = (k + 1) % kCornersPerTag, previous = (k + kCornersPerTag - 1) % kCornersPerTag;
-  CornerPlace place;
-  place.x_px = tag.corners_px[k];
-  place.is_crossing = family.BorderCells() > 1;
-  const std::array<Eigen::Vector2d, 2> edge = {tag.corners_px[next] - place.x_px,
-                                               tag.corners_px[previous] - place.x_px};
-  const double edge_cells = family.EdgeCells();
-  const double gap_cells = board.gap_m / board.tag_m * edge_cells;
-  for (int e = 0; e < 2; ++e) {
-    place.length_px[e] = edge[e].norm();
-    place.along[e] = edge[e] / place.length_px[e];
-  }
-  const double sine = std::abs(place.along[0].x() * place.along[1].y() - place.along[0].y() * place.along[1].x());
-  for (int e = 0; e < 2; ++e) {
-    const double cell_px = place.length_px[1 - e] * sine / edge_cells;  // across edge e
-    place.inside_px[e] = cell_px * family.BorderCells();
-    // A tag needs one cell around it and may have more; a neighbour comes after the gap.
-    place.outside_px[e] = cell_px * (place.is_crossing ? gap_cells : std::min(gap_cells, 1.0));
-  }
-  return place;
-}
 
 // A tag with the corners that could be refined.
 struct RefinedTag {
@@ -54,7 +32,7 @@ std::vector<RefinedTag> RefineTags(const RecordedPicture& picture, const Board& 
   for (const FoundTag& tag : tags) {
     RefinedTag& better = refined.emplace_back(RefinedTag{tag.id, {}});
     for (int k = 0; k < kCornersPerTag; ++k)
-      better.corners[k] = RefineCorner(picture, PlaceOf(board, family, tag, k), limits);
+      better.corners[k] = RefineCorner(picture, PlaceOfCorner(family, tag, k, board.gap_m / board.tag_m), limits);
   }
   return refined;
 }
@@ -65,7 +43,7 @@ std::vector<FoundTag> WholeTags(const std::vector<RefinedTag>& tags) {
   for (const RefinedTag& tag : tags) {
     if (!std::all_of(tag.corners.begin(), tag.corners.end(), [](const auto& corner) { return corner.has_value(); }))
       continue;
-    FoundTag& copy = whole.emplace_back(FoundTag{tag.id, 0, {}});
+    FoundTag& copy = whole.emplace_back(FoundTag{.id = tag.id});
     for (int k = 0; k < kCornersPerTag; ++k) copy.corners_px[k] = tag.corners[k]->x_px;
   }
   return whole;
@@ -97,12 +75,8 @@ void CollectCorners(const Board& board, const std::vector<RefinedTag>& tags, Cha
 
 Result<ChartDetection> DetectChart(const cv::Mat1f& picture, const Board& board, const ChartOptions& options) {
   if (picture.empty()) return Fail(ErrorCode::kBadInput, "chart: the picture has no pixels");
+  if (const Result<void> checked = CheckBoard(board); !checked) return Fail(checked.error());
   const Result<TagFamily> family = TagFamily::Make(board.family, board.border_bits);
-  if (!family) return Fail(family.error());
-  if (board.columns < 1 || board.rows < 1 || board.first_id < 0 ||
-      board.first_id + board.NumTags() > family->NumCodes())
-    return Fail(ErrorCode::kBadInput, "chart: {} x {} tags from id {} do not exist in {}, which has ids 0 to {}",
-                board.columns, board.rows, board.first_id, board.family, family->NumCodes() - 1);
   const cv::Mat1b encoded = EightBits(options.linear ? SrgbEncodedPicture(picture) : picture);
   const std::vector<FoundTag> found = FindTags(encoded, *family);
   JudgedTags judged = JudgeLayout(board, found);
@@ -127,6 +101,8 @@ Result<ChartDetection> DetectChart(const cv::Mat1f& picture, const Board& board,
     return detection;
   }
   CollectCorners(board, refined, detection);
+  // Tags that look like the board's, but have no corner of the kind: most likely another board.
+  if (detection.corners.empty() && options.diagnose) detection.findings.push_back(ExplainAbsence(encoded, board));
   return detection;
 }
 

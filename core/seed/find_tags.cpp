@@ -45,7 +45,7 @@ std::vector<FoundTag> FindTags(const cv::Mat1b& picture, const TagFamily& family
   for (int i = 0; i < zarray_size(detections); ++i) {
     apriltag_detection_t* detection = nullptr;
     zarray_get(detections, i, &detection);
-    FoundTag& tag = found.emplace_back(FoundTag{detection->id, detection->hamming, {}});
+    FoundTag& tag = found.emplace_back(FoundTag{.id = detection->id, .wrong_cells = detection->hamming});
     for (int k = 0; k < kCornersPerTag; ++k)
       tag.corners_px[k] = Eigen::Vector2d(detection->p[k][0], detection->p[k][1]).array() - kAprilTagPixelOffset;
   }

@@ -15,7 +15,8 @@ namespace rigcal {
 struct FoundTag {
   int id = 0;
   int wrong_cells = 0;  ///< of its code, corrected
-  std::array<Eigen::Vector2d, kCornersPerTag> corners_px;
+  std::array<Eigen::Vector2d, kCornersPerTag> corners_px = {Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(),
+                                                            Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
 
   [[nodiscard]] Eigen::Vector2d Centre() const;
   /// The shortest of the four edges.

@@ -1,7 +1,6 @@
 #include "core/seed/judge_layout.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -76,10 +75,13 @@ MeasuredSteps MeasureSteps(const Board& board, const std::vector<FoundTag>& tags
 }
 
 std::string IdList(const std::set<int>& ids) {
-  std::vector<int> named(ids.begin(), ids.end());
-  const bool all = named.size() <= kNamedIds;
-  if (!all) named.resize(kNamedIds);
-  return fmt::format("{}{}", fmt::join(named, ", "), all ? "" : fmt::format(" and {} more", ids.size() - kNamedIds));
+  std::string list;
+  std::size_t named = 0;
+  for (const int id : ids) {
+    if (named++ == kNamedIds) return list + fmt::format(" and {} more", ids.size() - kNamedIds);
+    list += (list.empty() ? "" : ", ") + std::to_string(id);
+  }
+  return list;
 }
 
 // Whether the ids run to the right and upwards, and which gap is seen.
@@ -100,7 +102,7 @@ std::optional<ChartFinding> JudgeSteps(const Board& board, const MeasuredSteps& 
   const double share_x = right_x - 1, share_y = up_y - 1;
   std::string message = fmt::format(
       "the gap between tags is {:.3f} (across) and {:.3f} (up) of a tag's edge in the picture, but {:.3f} by the "
-      "board file (gap_m {} by tag_m {}), and may differ by {:.0f} % of the pitch",
+      "board file (gap_m {:.6g} by tag_m {:.6g}), and may differ by {:.0f} % of the pitch",
       share_x, share_y, board.gap_m / board.tag_m, board.gap_m, board.tag_m, 100 * tolerance);
   if (std::abs(board.gap_m - (share_x + share_y) / 2) < kRatioTolerance)
     message += fmt::format("; gap_m looks like a spacing ratio: as a length it is {:.5g}", board.gap_m * board.tag_m);

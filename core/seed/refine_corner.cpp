@@ -38,6 +38,8 @@ constexpr double kMaxAlongPx = 20;         // edges bend by lens distortion; ove
 constexpr double kKeepOffBlurs = 1.6;      // from the next edge: there 95 % of the step are over
 constexpr double kMinKeepOffShare = 0.45;  // of the plain distance that stays in use however large the blur is
 
+constexpr double kNearCornerPx = 3;
+
 double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
@@ -50,6 +52,19 @@ struct Window {
   Eigen::Vector2d middle_px;
   bool linear;
 };
+
+// A wedge between two edges, blurred by a Gaussian, is a bivariate normal distribution function of the distances a and
+// b from its edges (in blurs): the product of both edges' own steps where they are perpendicular, else plus this, the
+// first terms of the tetrachoric series in the cosine between the edges' normals.
+template <typename T>
+T WedgeTerm(const T& a, const T& b, const T& rho) {
+  using std::exp;
+  constexpr double kCutSquared = 25;  // nothing is left five blurs away
+  const T squared = a * a + b * b;
+  if (squared > kCutSquared) return T(0);
+  const T density = exp(squared * -0.5) * (0.5 / std::numbers::pi);
+  return density * rho * (1.0 + rho * (0.5 * a * b + rho * (1 / 6.0) * (a * a - 1.0) * (b * b - 1.0)));
+}
 
 // Residuals: model minus pixel, then the priors.
 struct EdgeFit {
@@ -65,13 +80,15 @@ struct EdgeFit {
     using std::cos, std::sin, std::exp, std::erf;
     const T cos0 = cos(shape[kAngle0]) * side, sin0 = sin(shape[kAngle0]) * side;
     const T cos1 = cos(shape[kAngle1]) * side, sin1 = sin(shape[kAngle1]) * side;
-    const T scale = exp(-shape[kLogBlur]) * (1 / std::numbers::sqrt2);
+    const T scale = exp(-shape[kLogBlur]);
+    const T rho = -(cos0 * cos1 + sin0 * sin1);  // cosine between the edges' inward normals
     for (std::size_t i = 0; i < pixels.size(); ++i) {
       const T dx = pixels[i].x - shape[kX], dy = pixels[i].y - shape[kY];
-      const T in0 = 0.5 + 0.5 * erf((cos0 * dy - sin0 * dx) * scale);
-      const T in1 = 0.5 + 0.5 * erf((sin1 * dx - cos1 * dy) * scale);
-      T inside = in0 * in1;
-      if (is_crossing) inside += (1.0 - in0) * (1.0 - in1);
+      const T a = (cos0 * dy - sin0 * dx) * scale, b = (sin1 * dx - cos1 * dy) * scale;
+      const T in0 = 0.5 + 0.5 * erf(a * (1 / std::numbers::sqrt2)),
+              in1 = 0.5 + 0.5 * erf(b * (1 / std::numbers::sqrt2));
+      T inside = in0 * in1 + WedgeTerm(a, b, rho);
+      if (is_crossing) inside = 1.0 - in0 - in1 + 2.0 * inside;
       const T slope = 1.0 + shape[kSlopeX] * pixels[i].x + shape[kSlopeY] * pixels[i].y;
       const T light = slope * (shape[kOutside] + (shape[kInside] - shape[kOutside]) * inside);
       residuals[i] = (linear ? light : SrgbEncoded(light)) - pixels[i].value;
@@ -145,8 +162,20 @@ Shape FirstGuess(const Window& window, const CornerPlace& place) {
 struct Fit {
   Shape shape;
   Eigen::Matrix2d covariance_px2;
-  double residual_rms;
+  double residual_rms;  // of the window, or of the corner's own surroundings where that is more
 };
+
+// Long edges can outvote what hides the corner itself.
+double RmsNearCorner(const Window& window, const Shape& shape, const Eigen::VectorXd& residuals) {
+  double sum = 0;
+  int count = 0;
+  for (std::size_t i = 0; i < window.pixels.size(); ++i) {
+    if (std::hypot(window.pixels[i].x - shape[kX], window.pixels[i].y - shape[kY]) > kNearCornerPx) continue;
+    sum += residuals[static_cast<Eigen::Index>(i)] * residuals[static_cast<Eigen::Index>(i)];
+    ++count;
+  }
+  return count > 0 ? std::sqrt(sum / count) : 0;
+}
 
 std::optional<Fit> FitEdges(const Window& window, const CornerPlace& place, Shape shape) {
   constexpr int kMinSpare = 8;  // pixels more than parameters
@@ -173,7 +202,7 @@ std::optional<Fit> FitEdges(const Window& window, const CornerPlace& place, Shap
   const Eigen::Matrix<double, kNumShape, kNumShape> inverse = solved.solve(information.Identity(kNumShape, kNumShape));
   return Fit{shape,
              variance * inverse.topLeftCorner<2, 2>() + kModelSigmaPx * kModelSigmaPx * Eigen::Matrix2d::Identity(),
-             std::sqrt(variance)};
+             std::max(std::sqrt(variance), RmsNearCorner(window, shape, residuals))};
 }
 
 bool Meets(const CornerLimits& limits, const CornerPlace& place, const RefinedCorner& corner) {

@@ -53,6 +53,6 @@ std::optional<RefinedCorner> RefineCorner(const RecordedPicture& picture, const 
 
 /// What a fit of straight, Gaussian-blurred edges leaves out (pixel grid, curved edges, print), per axis: on rendered
 /// boards without noise corners are off by this much.
-inline constexpr double kModelSigmaPx = 0.01;
+inline constexpr double kModelSigmaPx = 0.006;
 
 }  // namespace rigcal

@@ -10,7 +10,7 @@
 #include <apriltag/tagCustom48h12.h>
 #include <apriltag/tagStandard41h12.h>
 #include <apriltag/tagStandard52h13.h>
-#include <fmt/ranges.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
@@ -38,6 +38,12 @@ constexpr std::array<KnownFamily, 9> kFamilies = {{{tag36h11_create, tag36h11_de
                                                    {tagStandard41h12_create, tagStandard41h12_destroy},
                                                    {tagStandard52h13_create, tagStandard52h13_destroy}}};
 
+std::string KnownNames() {
+  std::string names;
+  for (const std::string_view name : kNames) names.append(names.empty() ? "" : ", ").append(name);
+  return names;
+}
+
 }  // namespace
 
 std::span<const std::string_view> TagFamilyNames() {
@@ -50,8 +56,7 @@ TagFamily::TagFamily(std::string name, int border_bits, Owner family)
 Result<TagFamily> TagFamily::Make(const std::string& name, int border_bits) {
   const auto known = std::find(kNames.begin(), kNames.end(), name);
   if (known == kNames.end())
-    return Fail(ErrorCode::kBadInput, "family: '{}' is not a family of AprilTags; known are {}", name,
-                fmt::join(kNames, ", "));
+    return Fail(ErrorCode::kBadInput, "family: '{}' is not a family of AprilTags; known are {}", name, KnownNames());
   if (border_bits < 1 || border_bits > kMaxBorderBits)
     return Fail(ErrorCode::kBadInput, "border_bits: {} is outside 1 to {}", border_bits, kMaxBorderBits);
   const KnownFamily& maker = kFamilies[known - kNames.begin()];

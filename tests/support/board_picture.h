@@ -27,7 +27,7 @@ struct BoardPictureOptions {
   std::uint64_t random_seed = 1;
 };
 
-/// What the camera sees of the board: every pixel is the mean of 8 x 8 rays, through its lens's distortion.
+/// What the camera sees of the board: every pixel is the mean of 89 rays, through its lens's distortion.
 cv::Mat1f RenderBoard(const BoardPrint& print, const Camera& camera, const Rigid3d& cam_from_board,
                       const BoardPictureOptions& options);
 
