@@ -10,7 +10,7 @@ namespace rigcal {
 
 enum class Subject { kChart, kObject, kBoth };
 
-/// A physical camera as the recording knows it; everything but the id may be unknown.
+/// A physical camera as the recording knows it; everything but the id and the size may be unknown (empty).
 struct RecordedCamera {
   std::string id;
   int width_px = 0, height_px = 0;
@@ -18,10 +18,16 @@ struct RecordedCamera {
   std::optional<double> focus_m, temperature_celsius;
 };
 
+enum class AxisUnit { kRadian, kMetre };
+
+/// The axis of a plain turntable, in recordings that are not made by devices with axis names of their own.
+inline constexpr const char* kTableAxis = "table";
+
 /// Where the positioner stood: as commanded, and as it reported afterwards. A turntable or gantry axis has named axis
-/// values (radians or metres); an arm has a pose.
+/// values; an arm has a pose.
 struct AxisPosition {
   std::string axis;
+  AxisUnit unit = AxisUnit::kRadian;
   double commanded = 0;
   std::optional<double> reported;
 };

@@ -88,11 +88,11 @@ TEST(LoadMiddlebury, PerViewKeepsIntrinsicsApart) {
 
 TEST(LoadMiddlebury, UnchangedSharesCamerasOnlyWhereTheyAreTheSame) {
   const TemporaryFolder folder;
-  const auto same = LoadCamerasUnchanged(folder.Write("same_par.txt", ThreeLines()), "");
+  const auto same = LoadCamerasUnchanged(folder.Write("same_par.txt", ThreeLines()));
   ASSERT_TRUE(same) << Message(same);
   EXPECT_EQ(same->calibration.NumCameras(), 1);
   const std::string differing = "2\n" + ParLine("a.png") + ParLine("b.png", "1500 3 320 0 1510 240.5 0 0 1");
-  const auto kept = LoadCamerasUnchanged(folder.Write("differing_par.txt", differing), "");
+  const auto kept = LoadCamerasUnchanged(folder.Write("differing_par.txt", differing));
   ASSERT_TRUE(kept) << Message(kept);
   ASSERT_EQ(kept->calibration.NumCameras(), 2);
   EXPECT_EQ(kept->calibration.CameraOf(1).cy_px, 240.5);
