@@ -31,6 +31,7 @@ Result<RecordedObject> LoadRecordedObject(const std::filesystem::path& folder) {
   if (!recording->closed)
     return Fail(ErrorCode::kBadInput, "{}: the recording is not closed: it was interrupted after {} views", file,
                 recording->views.size());
+  if (recording->views.empty()) return Fail(ErrorCode::kBadInput, "{}: the recording is empty, it has no view", file);
   RecordedObject object;
   for (const RecordedView& view : recording->views) {
     if (view.subject == Subject::kChart) continue;

@@ -99,6 +99,16 @@ TEST(LoadMiddlebury, UnchangedSharesCamerasOnlyWhereTheyAreTheSame) {
   EXPECT_EQ(kept->calibration.CameraOf(1).skew_px, 3);
 }
 
+TEST(LoadMiddlebury, ARecordingTellsPhysicalCameras) {
+  const std::string text = "3\n" + ParLine("a.png") + ParLine("b.png") + ParLine("c.png");
+  const auto loaded = LoadText(text, {.camera_by_image = {{"a.png", "up"}, {"b.png", "low"}, {"c.png", "up"}}});
+  ASSERT_TRUE(loaded) << Message(loaded);
+  ASSERT_EQ(loaded->calibration.NumCameras(), 2);
+  EXPECT_EQ(loaded->calibration.CameraOf(1).id, "low");
+  EXPECT_EQ(loaded->calibration.views[2].camera, 0);
+  EXPECT_THAT(Message(LoadText(text, {.camera_by_image = {{"a.png", "up"}}})), HasSubstr("no picture 'b.png'"));
+}
+
 TEST(LoadMiddlebury, RegexTellsPhysicalCameras) {
   const std::string text =
       "4\n" + ParLine("left_0.png") + ParLine("right_0.png") + ParLine("left_1.png") + ParLine("right_1.png");

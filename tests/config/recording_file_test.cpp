@@ -260,7 +260,7 @@ TEST_F(RecordingFolder, EmptyOne) {
   RecordingWriter writer = Begin();
   ASSERT_TRUE(writer.Close());
   EXPECT_THAT(Check().faults, ElementsAre(HasSubstr("the recording is empty")));
-  EXPECT_THAT(Message(LoadRecordedObject(Path())), HasSubstr("none of its 0 views shows an object"));
+  EXPECT_THAT(Message(LoadRecordedObject(Path())), HasSubstr("the recording is empty"));
 }
 
 TEST_F(RecordingFolder, NoneAtAll) {

@@ -153,7 +153,7 @@ def list_of_a_newer_version(case):
 
 def recording_empty(case):
     edit_list(case, lambda recording: recording.update(views=[]))
-    return ["recording.json", "0 views"]
+    return ["recording.json", "empty"]
 
 
 def recording_of_a_chart(case):
