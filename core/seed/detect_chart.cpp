@@ -20,6 +20,9 @@
 namespace rigcal {
 namespace {
 
+// Share of its corners below which a board is not believed: the worst picture of yac-aprilgrid keeps 0.6.
+constexpr double kMinTrusted = 0.25;
+
 // A tag with the corners that could be refined.
 struct RefinedTag {
   int id = 0;
@@ -62,13 +65,19 @@ void CollectCorners(const Board& board, const std::vector<RefinedTag>& tags, Cha
   DropStrays(board, detection.corners);
   for (std::size_t i = 0; i < detection.corners.size(); ++i)
     if (i == 0 || detection.corners[i].tag_id != detection.corners[i - 1].tag_id) ++detection.num_tags;
-  const std::size_t expected = tags.size() * kCornersPerTag;
-  if (detection.corners.size() < expected)
-    detection.findings.push_back(
-        {ChartFindingKind::kLostCorners,
-         fmt::format(
-             "{} of {} corners cannot be trusted (hidden, blurred, over-exposed or at the rim) and are left out",
-             expected - detection.corners.size(), expected)});
+  const std::size_t expected = tags.size() * kCornersPerTag, lost = expected - detection.corners.size();
+  if (lost == 0) return;
+  const bool unusable = static_cast<double>(detection.corners.size()) < kMinTrusted * static_cast<double>(expected);
+  detection.findings.push_back(
+      {ChartFindingKind::kLostCorners,
+       fmt::format(
+           "{} of {} corners cannot be trusted (hidden, blurred, over-exposed or at the rim) and are left out{}", lost,
+           expected,
+           unusable ? fmt::format("; with fewer than {:.0f} % the picture is not used", 100 * kMinTrusted) : ""),
+       unusable});
+  if (!unusable) return;
+  detection.corners.clear();
+  detection.num_tags = detection.num_predicted = 0;
 }
 
 }  // namespace

@@ -14,6 +14,8 @@ namespace {
 
 // So many tags with their code intact are no accident, even of a family with few bits.
 constexpr int kMinTags = 3;
+// Tags large enough to calibrate with are seen at this size too, and a dozen searches take a second.
+constexpr std::size_t kMaxPixels = 1'500'000;
 constexpr int kWhite = 250, kBlack = 8;  // of 255: clipped, as good as black
 constexpr double kMostOfPicture = 0.5;   // share from which a picture counts as over-exposed or dark
 constexpr double kSharpStep = 0.12;      // of white minus black, between neighbouring pixels: blur of about 3 px
@@ -62,7 +64,9 @@ double SteepestStep(const cv::Mat1b& picture) {
 
 }  // namespace
 
-ChartFinding ExplainAbsence(const cv::Mat1b& encoded, const Board& board) {
+ChartFinding ExplainAbsence(const cv::Mat1b& picture, const Board& board) {
+  cv::Mat1b encoded = picture;
+  while (encoded.total() > kMaxPixels) cv::pyrDown(encoded, encoded);
   const Result<TagFamily> family = TagFamily::Make(board.family, board.border_bits);
   cv::Mat1b mirrored;
   cv::flip(encoded, mirrored, 1);

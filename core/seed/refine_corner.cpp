@@ -205,13 +205,17 @@ std::optional<Fit> FitEdges(const Window& window, const CornerPlace& place, Shap
              std::max(std::sqrt(variance), RmsNearCorner(window, shape, residuals))};
 }
 
+bool IsNear(const CornerLimits& limits, const CornerPlace& place, const Eigen::Vector2d& x_px) {
+  const double plain_px = std::min(place.inside_px[0], place.inside_px[1]);
+  return (x_px - place.x_px).norm() <= std::max(limits.min_shift_px, limits.max_shift_share * plain_px);
+}
+
 bool Meets(const CornerLimits& limits, const CornerPlace& place, const RefinedCorner& corner) {
-  const double plain = std::min(place.inside_px[0], place.inside_px[1]);
+  const double plain_px = std::min(place.inside_px[0], place.inside_px[1]);
   const double worst = corner.covariance_px2.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff();
   return corner.x_px.allFinite() && corner.contrast >= limits.min_contrast && corner.residual <= limits.max_residual &&
-         corner.blur_px <= limits.max_blur_share * plain && worst <= limits.max_sigma_px * limits.max_sigma_px &&
-         (corner.x_px - place.x_px).norm() <=
-             std::min(limits.max_shift_px, std::max(limits.max_shift_share * plain, 1.0));
+         corner.blur_px <= limits.max_blur_share * plain_px && worst <= limits.max_sigma_px * limits.max_sigma_px &&
+         IsNear(limits, place, corner.x_px);
 }
 
 }  // namespace
@@ -224,7 +228,7 @@ std::optional<RefinedCorner> RefineCorner(const RecordedPicture& picture, const 
   // Once more, with a window at the right place that suits the blur.
   CornerPlace better = place;
   better.x_px = first.middle_px + rough->shape.head<2>();
-  if ((better.x_px - place.x_px).norm() > limits.max_shift_px) return std::nullopt;
+  if (!IsNear(limits, place, better.x_px)) return std::nullopt;
   for (int e = 0; e < 2; ++e)
     better.along[e] = {std::cos(rough->shape[kAngle0 + e]), std::sin(rough->shape[kAngle0 + e])};
   const double blur_px = std::exp(rough->shape[kLogBlur]);

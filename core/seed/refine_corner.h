@@ -26,13 +26,15 @@ struct CornerPlace {
 };
 
 struct CornerLimits {
-  double max_shift_px = 2.0;      ///< from the rough place: a second edge, a bit's side, lies further away than this
-  double max_shift_share = 0.35;  ///< and of the plain distance inside, for small tags
-  double max_residual =
-      0.12;  ///< of the contrast; 0.02-0.06 on photographs, 0.2 and more where something hides the corner
+  /// Shift from the rough place, as a share of the plain distance inside; the edge of the next cell lies at 1.
+  double max_shift_share = 0.35;
+  double min_shift_px = 1.0;  ///< shifts up to this are always allowed
+  /// Of the contrast: 0.02 to 0.06 on photographs, 0.2 and more where something hides the corner.
+  double max_residual = 0.12;
   double min_contrast = 0.03;  ///< of grey values in [0, 1]
-  double max_blur_share =
-      0.6;                    ///< blur (standard deviation) by plain distance inside; beyond, edges run into each other
+  /// Blur (standard deviation) by the plain distance inside. Beyond, the next cells show: at 0.3 corners lie 0.04 of
+  /// the blur towards the dark (measured).
+  double max_blur_share = 0.35;
   double max_sigma_px = 0.5;  ///< of the refined place, in its worst direction
 };
 

@@ -78,6 +78,21 @@ TEST(DetectChart, CornersAreExactAndTheirSigmaHonest) {
   }
 }
 
+TEST(DetectChart, StrongBlurIsFittedToo) {
+  // libapriltag's own corners lie more than a pixel towards the dark here.
+  const Board board{.columns = 2, .rows = 2, .tag_m = 0.03, .gap_m = 0.009};
+  const Rigid3d pose = LookAt(board, 0.2, -0.1, 0.3, 0.16);
+  const cv::Mat1f image = RenderBoard(PrintOf(board), TestCamera(), pose, {.blur_px = 2, .noise = 0.004});
+  const auto seen = DetectChart(image, board, {.linear = true});
+  ASSERT_TRUE(seen);
+  ASSERT_EQ(seen->corners.size(), 16U);
+  Errors errors;
+  errors.Add(board, TestCamera(), pose, seen->corners);
+  EXPECT_LT(errors.Mean().rms_px, 0.05);
+  EXPECT_LT(std::abs(errors.Mean().towards_tag_px), 0.03);
+  EXPECT_NEAR(seen->blur_px, 2, 0.1);
+}
+
 TEST(DetectChart, EncodedPicturesAreFittedInLight) {
   const BoardPictureOptions encoded{.blur_px = 0.8, .noise = 0.004, .linear = false};
   const CornerErrors right = Measure(StockBoard(), encoded, {.linear = false});
