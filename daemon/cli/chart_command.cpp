@@ -12,7 +12,7 @@
 namespace rigcal {
 namespace {
 
-constexpr double kMPerMm = 1e-3;
+constexpr double kMmPerM = 1000;
 
 struct ChartArguments {
   std::string family = Board{}.family;
@@ -22,7 +22,7 @@ struct ChartArguments {
   std::filesystem::path out;
 
   [[nodiscard]] Board ToBoard() const {
-    return {family, border_bits, columns, rows, tag_mm * kMPerMm, gap_mm * kMPerMm, first_id, thickness_mm * kMPerMm};
+    return {family, border_bits, columns, rows, tag_mm / kMmPerM, gap_mm / kMmPerM, first_id, thickness_mm / kMmPerM};
   }
 };
 
