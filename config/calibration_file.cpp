@@ -1,12 +1,10 @@
 #include "config/calibration_file.h"
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
 #include <map>
-#include <stdexcept>
 
 #include "config/atomic_file.h"
+#include "config/json_content.h"
 #include "config/json_text.h"
 
 namespace rigcal {
@@ -14,8 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kVersion = 1;
-constexpr const char* kFormat = "rigcal calibration";
+constexpr DocumentFormat kFormat = {"rigcal calibration", 1};
 constexpr const char* kFrame =
     "x_in_cam = cam_from_world * x_in_world; camera +x right, +y down, +z forward; pixel (0,0) is the centre of the "
     "top-left pixel; distortion as in OpenCV";
@@ -63,10 +60,7 @@ Json ViewsJson(const RigCalibration& calibration) {
   Json views = Json::array();
   for (int v = 0; v < calibration.NumViews(); ++v) {
     const View& view = calibration.views[v];
-    const Eigen::Quaterniond& q = view.cam_from_world.rotation;
-    const Eigen::Vector3d& t = view.cam_from_world.translation;
-    Json pose = {{"rotation", {{"w", q.w()}, {"x", q.x()}, {"y", q.y()}, {"z", q.z()}}},
-                 {"translation", {t.x(), t.y(), t.z()}}};
+    Json pose = PoseJson(view.cam_from_world, "translation");
     views.push_back({{"name", view.name}, {"camera", calibration.CameraOf(v).id}, {"cam_from_world", std::move(pose)}});
   }
   return views;
@@ -81,24 +75,6 @@ Json ProvenanceJson(const Provenance& provenance) {
           {"notes", provenance.notes}};
 }
 
-/// A content that cannot be used; becomes an Error at the end of ParseCalibration, as do the exceptions of the library.
-class BadContent : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
-template <typename... Args>
-[[noreturn]] void Refuse(fmt::format_string<Args...> format, Args&&... args) {
-  throw BadContent(fmt::format(format, std::forward<Args>(args)...));
-}
-
-int WholeNumber(const Json& json, int low, int high, const char* what) {
-  const double number = json.get<double>();
-  if (!(number >= low && number <= high) || number != std::floor(number))
-    Refuse("{} is {}, a whole number from {} to {} is needed", what, number, low, high);
-  return static_cast<int>(number);
-}
-
 Camera CameraFrom(const Json& json) {
   Camera camera;
   camera.id = json.at("id").get<std::string>();
@@ -109,16 +85,6 @@ Camera CameraFrom(const Json& json) {
   for (int i = 0; i < kNumIntrinsics; ++i) intrinsics[i] = json.at(kIntrinsicKeys[i]).get<double>();
   camera.SetIntrinsics(intrinsics);
   return camera;
-}
-
-Rigid3d PoseFrom(const Json& json, const std::string& where) {
-  const Json& q = json.at("rotation");
-  const Result<Eigen::Quaterniond> rotation = RotationFromQuaternion(
-      q.at("w").get<double>(), q.at("x").get<double>(), q.at("y").get<double>(), q.at("z").get<double>(), where);
-  if (!rotation) throw BadContent(rotation.error().message);
-  const auto t = json.at("translation").get<std::vector<double>>();
-  if (t.size() != 3) Refuse("{}: the translation has {} numbers instead of 3", where, t.size());
-  return {*rotation, Eigen::Vector3d(t[0], t[1], t[2])};
 }
 
 CalibrationCovariance CovarianceFrom(const Json& json, Eigen::Index size) {
@@ -174,7 +140,7 @@ CalibrationContent ContentFrom(const Json& json, const std::string& file) {
     const auto camera = camera_by_id.find(view.at("camera").get<std::string>());
     if (camera == camera_by_id.end())
       Refuse("view '{}': there is no camera '{}'", name, view.at("camera").get<std::string>());
-    calibration.views.push_back({name, camera->second, PoseFrom(view.at("cam_from_world"), where)});
+    calibration.views.push_back({name, camera->second, PoseFrom(view.at("cam_from_world"), "translation", where)});
     const View& added = calibration.views.back();
     content.records.push_back({name, where, calibration.cameras[added.camera], added.cam_from_world});
   }
@@ -186,16 +152,10 @@ CalibrationContent ContentFrom(const Json& json, const std::string& file) {
   return content;
 }
 
-/// "(/cameras/0/fx_px) type must be number, but is string" of "[json.exception.type_error.302] (...".
-std::string WithoutErrorNumber(const std::string& what) {
-  const std::size_t end = what.find("] ");
-  return end == std::string::npos ? what : what.substr(end + 2);
-}
-
 }  // namespace
 
 std::string CalibrationText(const RigCalibration& calibration, const Provenance& provenance) {
-  Json json = {{"format", kFormat}, {"version", kVersion}, {"frame", kFrame}};
+  Json json = {{"format", kFormat.name}, {"version", kFormat.version}, {"frame", kFrame}};
   json["unit"] = calibration.unit == LengthUnit::kMetre ? "m" : "unknown";
   json["cameras"] = CamerasJson(calibration);
   json["views"] = ViewsJson(calibration);
@@ -210,19 +170,8 @@ Result<void> WriteCalibration(const std::filesystem::path& path, const RigCalibr
 }
 
 Result<CalibrationContent> ParseCalibration(std::string_view text, const std::string& file) {
-  try {
-    const Json json = Json::parse(text);
-    if (json.at("format") != kFormat) return Fail(ErrorCode::kBadInput, "{}: the format is not '{}'", file, kFormat);
-    if (const int version = WholeNumber(json.at("version"), 1, std::numeric_limits<int>::max(), "version");
-        version > kVersion)
-      return Fail(ErrorCode::kUnsupported, "{}: has version {}, this program reads up to {}", file, version, kVersion);
-    return ContentFrom(json, file);
-  } catch (const nlohmann::json::exception& error) {
-    return Fail(ErrorCode::kBadInput, "{}: {}", file, WithoutErrorNumber(error.what()));
-  } catch (const BadContent& error) {
-    const std::string message = error.what();
-    return Fail(ErrorCode::kBadInput, "{}", message.starts_with(file) ? message : file + ": " + message);
-  }
+  return ReadDocument<CalibrationContent>(text, file, kFormat,
+                                          [&file](const Json& json) { return ContentFrom(json, file); });
 }
 
 }  // namespace rigcal

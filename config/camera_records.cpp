@@ -4,44 +4,47 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <regex>
+
+#include "config/name_pattern.h"
 
 namespace rigcal {
 namespace {
 
 constexpr const char* kOnlyCamera = "camera";  // id of the physical camera when neither file nor option names one
-constexpr std::size_t kMaxNameLength = 1024;   // std::regex recurses once per character
 
-Result<std::vector<std::string>> PhysicalIds(const std::vector<CameraRecord>& records, const std::string& pattern) {
+Result<std::vector<std::string>> PhysicalIds(const std::vector<CameraRecord>& records,
+                                             const CameraFileOptions& options) {
   std::vector<std::string> ids;
-  if (pattern.empty()) {
+  if (!options.camera_by_image.empty()) {
+    for (const CameraRecord& record : records) {
+      const auto known = options.camera_by_image.find(record.name);
+      if (known == options.camera_by_image.end())
+        return Fail(ErrorCode::kBadInput, "{}: the recording has no picture '{}' of an object", record.where,
+                    record.name);
+      ids.push_back(known->second);
+    }
+    return ids;
+  }
+  if (options.camera_from_name.empty()) {
     for (const CameraRecord& record : records)
       ids.push_back(record.camera.physical_id.empty() ? kOnlyCamera : record.camera.physical_id);
     return ids;
   }
-  try {
-    const std::regex regex(pattern);
-    if (regex.mark_count() < 1)
-      return Fail(ErrorCode::kBadInput, "camera from name: '{}' has no group (...) that could name the camera",
-                  pattern);
-    for (const CameraRecord& record : records) {
-      std::smatch match;
-      if (!std::regex_search(record.name, match, regex) || match.str(1).empty())
-        return Fail(ErrorCode::kBadInput, "camera from name: '{}' finds no camera in the image name '{}'", pattern,
-                    record.name);
-      ids.push_back(match.str(1));
-    }
-  } catch (const std::regex_error& error) {
-    return Fail(ErrorCode::kBadInput, "camera from name: '{}' is not a regular expression ({})", pattern, error.what());
+  const Result<NamePattern> naming = NamePattern::Parse(options.camera_from_name, "camera");
+  if (!naming) return Fail(naming.error());
+  for (const CameraRecord& record : records) {
+    const Result<std::string> id = naming->Find(record.name);
+    if (!id) return Fail(id.error());
+    ids.push_back(*id);
   }
   return ids;
 }
 
 Result<void> CheckRecord(const CameraRecord& record, const CameraFileOptions& options) {
   const Camera& camera = record.camera;
-  if (record.name.empty() || record.name.size() > kMaxNameLength)
+  if (record.name.empty() || record.name.size() > kMaxImageNameLength)
     return Fail(ErrorCode::kBadInput, "{}: an image name has 1 to {} characters, this one has {}", record.where,
-                kMaxNameLength, record.name.size());
+                kMaxImageNameLength, record.name.size());
   if (!camera.Intrinsics().allFinite() || !record.cam_from_world.translation.allFinite())
     return Fail(ErrorCode::kBadInput, "{}: holds a number that is not finite", record.where);
   if (!(camera.fx_px > 0) || !(camera.fy_px > 0))
@@ -168,7 +171,7 @@ Result<Eigen::Quaterniond> RotationFromQuaternion(double w, double x, double y, 
 Result<LoadedCameras> AssembleCameras(const std::vector<CameraRecord>& records, const std::string& file,
                                       const CameraFileOptions& options) {
   if (const Result<void> checked = CheckRecords(records, file, options); !checked) return Fail(checked.error());
-  const Result<std::vector<std::string>> physical_ids = PhysicalIds(records, options.camera_from_name);
+  const Result<std::vector<std::string>> physical_ids = PhysicalIds(records, options);
   if (!physical_ids) return Fail(physical_ids.error());
   LoadedCameras loaded;
   if (options.intrinsics == IntrinsicsMode::kPerView) {

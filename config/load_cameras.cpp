@@ -81,8 +81,10 @@ Result<LoadedCameras> LoadCameras(const std::filesystem::path& path, const Camer
   return loaded;
 }
 
-Result<LoadedCameras> LoadCamerasUnchanged(const std::filesystem::path& path, const std::string& camera_from_name) {
-  CameraFileOptions options{.camera_from_name = camera_from_name, .allow_skew = true, .min_views = 1};
+Result<LoadedCameras> LoadCamerasUnchanged(const std::filesystem::path& path, CameraFileOptions options) {
+  options.intrinsics = IntrinsicsMode::kPerCamera;
+  options.allow_skew = true;
+  options.min_views = 1;
   Result<LoadedCameras> loaded = LoadCameras(path, options);
   if (!loaded || !loaded->intrinsics_differ) return loaded;
   options.intrinsics = IntrinsicsMode::kPerView;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,8 @@ struct CameraFileOptions {
   /// Searched in each image's file name; its first group is the id of the physical camera. Empty: what the file says;
   /// a file that says nothing (Middlebury) has one camera.
   std::string camera_from_name;
+  /// Instead of camera_from_name: the id of the physical camera by image name, as a recording has it. Empty: unknown.
+  std::map<std::string, std::string> camera_by_image;
   /// kPerView gives each view a Camera of its own, "<physical>/<image>"; the others share one Camera among the views of
   /// a physical camera, which starts from the median of each parameter.
   IntrinsicsMode intrinsics = IntrinsicsMode::kPerCamera;
@@ -40,7 +43,8 @@ struct LoadedCameras {
 Result<LoadedCameras> LoadCameras(const std::filesystem::path& path, const CameraFileOptions& options);
 
 /// The same without changing any number: views share a Camera only where the file gives them the same one. Skew and any
-/// number of views are allowed. For comparing, exporting and stereo.
-Result<LoadedCameras> LoadCamerasUnchanged(const std::filesystem::path& path, const std::string& camera_from_name);
+/// number of views are allowed. Of the options only those that name the cameras count. For comparing, exporting and
+/// stereo.
+Result<LoadedCameras> LoadCamerasUnchanged(const std::filesystem::path& path, CameraFileOptions options = {});
 
 }  // namespace rigcal

@@ -8,6 +8,7 @@
 #include "config/decode_image.h"
 #include "config/mask_files.h"
 #include "core/base/ensure.h"
+#include "core/image/exposure.h"
 #include "core/image/pyramid.h"
 #include "core/image/silhouette.h"
 #include "core/image/undistort.h"
@@ -63,6 +64,10 @@ Result<LoadedView> LoadView(const std::filesystem::path& path, const View& view,
   const Result<std::string> bytes = ReadFile(path);
   if (!bytes) return Fail(bytes.error());
   loaded.files.push_back({view.name, Sha256Hex(*bytes)});
+  if (const auto recorded = options.sha256_by_image.find(view.name); recorded != options.sha256_by_image.end()) {
+    const Result<void> same = CheckSha256(loaded.files[0].sha256, recorded->second, path.string());
+    if (!same) return Fail(same.error());
+  }
   const Result<cv::Mat> image = DecodeImage(*bytes, path.string());
   if (!image) return Fail(image.error());
   if (const Result<void> fits = CheckFits(*image, camera, path.string()); !fits) return Fail(fits.error());
@@ -151,6 +156,20 @@ void FindMasks(const RigCalibration& calibration, const Execution& execution, Lo
   }
 }
 
+/// A picture whose object has no texture left cannot be matched. Only where a mask tells the object from a backdrop,
+/// which may be white.
+Result<void> CheckExposure(const std::filesystem::path& folder, const ImageSet& images) {
+  for (const ViewImages& view : images.views) {
+    if (view.mask.empty()) continue;
+    const double share = SaturatedShare(view.gray[0], view.mask);
+    if (share > kMaxSaturatedShare)
+      return Fail(ErrorCode::kBadInput,
+                  "{}: {:.0f} % of the object's pixels are saturated (limit {:.0f} %): over-exposed",
+                  (folder / view.name).string(), 100 * share, 100 * kMaxSaturatedShare);
+  }
+  return {};
+}
+
 Result<std::vector<std::filesystem::path>> MaskFiles(const RigCalibration& calibration, const ImageOptions& options) {
   if (options.masks != MaskSource::kFolder) return std::vector<std::filesystem::path>();
   std::vector<std::string> names;
@@ -201,6 +220,7 @@ Result<LoadedImages> LoadImages(const std::filesystem::path& folder, RigCalibrat
   loaded.files.insert(loaded.files.end(), mask_files.begin(), mask_files.end());
   if (options.masks == MaskSource::kAuto) FindMasks(calibration, execution, loaded);
   if (execution.Stopped()) return Cancelled("loading the images");
+  if (const Result<void> exposed = CheckExposure(folder, loaded.images); !exposed) return Fail(exposed.error());
   return loaded;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -17,8 +18,9 @@ struct ImageOptions {
   int num_levels = 1;     ///< of each pyramid; 1: the full-size picture alone
   int colour_level = -1;  ///< level at which colours are kept; below 0: no colours
   MaskSource masks = MaskSource::kAuto;
-  std::filesystem::path mask_folder;  ///< for kFolder
-  std::string mask_from_name;         ///< for kFolder, see FindMaskFiles
+  std::filesystem::path mask_folder;                   ///< for kFolder
+  std::string mask_from_name;                          ///< for kFolder, see FindMaskFiles
+  std::map<std::string, std::string> sha256_by_image;  ///< of a recording: others are refused; empty: unknown
 };
 
 /// What a view's mask comes from.

@@ -38,4 +38,11 @@ std::string Sha256Hex(const std::string& bytes) {
   return hex;
 }
 
+Result<void> CheckSha256(const std::string& actual, const std::string& recorded, const std::string& file) {
+  constexpr std::size_t kShown = 12;  // digits: enough to tell two files apart
+  if (actual == recorded) return {};
+  return Fail(ErrorCode::kBadInput, "{}: its SHA-256 is {}..., the recording lists {}...: the file was changed", file,
+              actual.substr(0, kShown), recorded.substr(0, kShown));
+}
+
 }  // namespace rigcal

@@ -19,4 +19,7 @@ Result<std::string> ReadFile(const std::filesystem::path& path);
 /// SHA-256 as 64 lower-case hexadecimal digits.
 std::string Sha256Hex(const std::string& bytes);
 
+/// Whether `file` is still the one that a recording lists. Errors: kBadInput with the beginnings of both checksums.
+Result<void> CheckSha256(const std::string& actual, const std::string& recorded, const std::string& file);
+
 }  // namespace rigcal

@@ -96,11 +96,13 @@ Rigid3d TurnedTable(double angle_rad) {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(angle_rad, Vector3d::UnitZ())), Vector3d::Zero()};
 }
 
-void AddView(Placement& placement, std::string name, int camera, const Rigid3d& cam_from_stage, double angle_rad) {
+void AddView(Placement& placement, std::string name, int camera, int stop, const Rigid3d& cam_from_stage,
+             double angle_rad) {
   const Rigid3d stage_from_world = TurnedTable(angle_rad);
   placement.truth.views.push_back({std::move(name), camera, cam_from_stage * stage_from_world});
   placement.stage_from_world.push_back(stage_from_world);
   placement.table_angle_rad.push_back(angle_rad);
+  placement.stop.push_back(stop);
 }
 
 void PlaceAtTurntable(const StudioOptions& options, const Vector3d& target, std::span<const Vector3d> outline,
@@ -109,7 +111,8 @@ void PlaceAtTurntable(const StudioOptions& options, const Vector3d& target, std:
   std::vector<double> angle_rad(options.num_stops);
   for (int stop = 0; stop < options.num_stops; ++stop) {
     const double error = stop == 0 ? 0.0 : options.step_error_deg * kRadPerDeg * random.Normal();
-    angle_rad[stop] = 2 * std::numbers::pi * stop / options.num_stops + error;
+    placement.commanded_rad.push_back(2 * std::numbers::pi * stop / options.num_stops);
+    angle_rad[stop] = placement.commanded_rad[stop] + error;
   }
   const int digits = options.num_stops > 100 ? 3 : 2;
   for (int c = 0; c < options.num_cameras; ++c) {
@@ -123,7 +126,8 @@ void PlaceAtTurntable(const StudioOptions& options, const Vector3d& target, std:
     const double distance_m = FittingDistance(placement.truth.cameras[c], aim, target, outline);
     const Rigid3d cam_from_stage = CamFromStage(aim, target, distance_m);
     for (int stop = 0; stop < options.num_stops; ++stop) {
-      AddView(placement, fmt::format("cam{}_stop{:0{}}.png", c, stop, digits), c, cam_from_stage, angle_rad[stop]);
+      AddView(placement, fmt::format("cam{}_stop{:0{}}.png", c, stop, digits), c, stop, cam_from_stage,
+              angle_rad[stop]);
     }
   }
 }
@@ -142,7 +146,8 @@ void PlaceOnGantry(const StudioOptions& options, const Vector3d& target, std::sp
   }
   const int digits = options.num_views > 100 ? 3 : 2;
   for (int i = 0; i < options.num_views; ++i) {
-    AddView(placement, fmt::format("cam0_view{:0{}}.png", i, digits), 0, CamFromStage(aims[i], target, distance_m), 0);
+    AddView(placement, fmt::format("cam0_view{:0{}}.png", i, digits), 0, i, CamFromStage(aims[i], target, distance_m),
+            0);
   }
 }
 

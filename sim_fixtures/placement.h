@@ -7,11 +7,13 @@
 
 namespace rigcal::sim {
 
-/// The true cameras and where the table stood.
+/// The true cameras and where the table stood; see Studio.
 struct Placement {
   RigCalibration truth;
   std::vector<Rigid3d> stage_from_world;
   std::vector<double> table_angle_rad;
+  std::vector<int> stop;
+  std::vector<double> commanded_rad;
 };
 
 /// Puts cameras about an object so that it fills most of every picture. `surface_in_world`: points of the object.

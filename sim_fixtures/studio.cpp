@@ -122,6 +122,8 @@ Result<Studio> MakeStudio(const StudioOptions& options, const Execution& executi
                 .truth = std::move(placement.truth),
                 .stage_from_world = std::move(placement.stage_from_world),
                 .table_angle_rad = std::move(placement.table_angle_rad),
+                .stop = std::move(placement.stop),
+                .commanded_rad = std::move(placement.commanded_rad),
                 .lights = {},
                 .ambient = 0,
                 .object = MaterialOf(options.scene),

@@ -60,6 +60,8 @@ struct Studio {
   RigCalibration truth;                   ///< metres; views named camC_stopSS.png or cam0_viewVV.png
   std::vector<Rigid3d> stage_from_world;  ///< per view; the inverse of the table's turn
   std::vector<double> table_angle_rad;    ///< per view; 0 for a gantry
+  std::vector<int> stop;                  ///< per view; a gantry stops for each view
+  std::vector<double> commanded_rad;      ///< per stop of a turntable: its angle without step error
   std::vector<Light> lights;
   double ambient = 0;
   Material object, table_top, walls;

@@ -23,6 +23,8 @@ void AddValidateCommand(CLI::App& app, CommandSession& session);
 void AddMvsCommand(CLI::App& app, CommandSession& session);
 void AddCompareCommand(CLI::App& app, CommandSession& session);
 void AddExportCommand(CLI::App& app, CommandSession& session);
+void AddRecordingCommand(CLI::App& app, CommandSession& session);
+void AddChartCommand(CLI::App& app, CommandSession& session);
 void AddSimCommand(CLI::App& app, CommandSession& session);
 
 }  // namespace rigcal

@@ -45,9 +45,9 @@ Result<std::vector<ComparePoint>> Points(const CompareArguments& arguments, RigC
 }
 
 Result<Comparison> Compare(const CompareArguments& arguments) {
-  Result<LoadedCameras> reference = LoadCamerasUnchanged(arguments.reference, "");
+  Result<LoadedCameras> reference = LoadCamerasUnchanged(arguments.reference);
   if (!reference) return Fail(reference.error());
-  const Result<LoadedCameras> estimate = LoadCamerasUnchanged(arguments.estimate, "");
+  const Result<LoadedCameras> estimate = LoadCamerasUnchanged(arguments.estimate);
   if (!estimate) return Fail(estimate.error());
   const auto points = Points(arguments, reference->calibration);
   if (!points) return Fail(points.error());

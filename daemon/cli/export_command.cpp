@@ -16,7 +16,7 @@ struct ExportArguments {
 };
 
 int RunExport(const ExportArguments& arguments) {
-  const Result<LoadedCameras> cameras = LoadCamerasUnchanged(arguments.calibration, "");
+  const Result<LoadedCameras> cameras = LoadCamerasUnchanged(arguments.calibration);
   if (!cameras) return FailWith("export", cameras.error());
   const ExportOptions options{*ExportFormatFromName(arguments.format), arguments.undistorted};
   const auto notes = Export(cameras->calibration, options, arguments.out);

@@ -48,6 +48,8 @@ int Main(int argc, char** argv) {
   AddMvsCommand(app, session);
   AddCompareCommand(app, session);
   AddExportCommand(app, session);
+  AddRecordingCommand(app, session);
+  AddChartCommand(app, session);
   AddSimCommand(app, session);
   try {
     app.parse(argc, argv);

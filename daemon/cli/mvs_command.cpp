@@ -15,22 +15,24 @@ namespace {
 constexpr int kMaxLevel = 8;  // a picture of 12 megapixels is 16 pixels wide there
 
 struct MvsArguments {
-  std::filesystem::path images, cameras, out;
-  std::string camera_from_name;
+  PictureSource pictures;
+  std::filesystem::path cameras, out;
   MaskRequest masks;
   StereoOptions stereo;
   double expected_error_px = 0;  ///< 0: one pixel of the level
   int num_threads = 1;
 };
 
-Result<LoadedImages> LoadPictures(const MvsArguments& arguments, RigCalibration& calibration, RunContext& context) {
+Result<LoadedImages> LoadPictures(const MvsArguments& arguments, const OpenedPictures& pictures,
+                                  RigCalibration& calibration, RunContext& context) {
   const ImageOptions options{.num_levels = arguments.stereo.level + 1,
                              .colour_level = arguments.stereo.level,
                              .masks = arguments.masks.Source(),
                              .mask_folder = arguments.masks.Folder(),
-                             .mask_from_name = arguments.masks.mask_from_name};
+                             .mask_from_name = arguments.masks.mask_from_name,
+                             .sha256_by_image = pictures.recorded.sha256_by_image};
   return context.Time("load", -1, [&](const Execution& execution) {
-    return LoadImages(arguments.images, calibration, options, execution);
+    return LoadImages(pictures.folder, calibration, options, execution);
   });
 }
 
@@ -38,10 +40,14 @@ Result<LoadedImages> LoadPictures(const MvsArguments& arguments, RigCalibration&
 Result<std::size_t> MakePatches(const MvsArguments& arguments, RunContext& context) {
   if (Result<void> ready = PrepareOutputFolder(std::filesystem::absolute(arguments.out).parent_path()); !ready)
     return Fail(ready.error());
-  Result<LoadedCameras> cameras = LoadCamerasUnchanged(arguments.cameras, arguments.camera_from_name);
+  const Result<OpenedPictures> pictures = OpenPictures(arguments.pictures);
+  if (!pictures) return Fail(pictures.error());
+  Result<LoadedCameras> cameras = LoadCamerasUnchanged(arguments.cameras, pictures->naming);
   if (!cameras) return Fail(cameras.error());
   RigCalibration& calibration = cameras->calibration;
-  const Result<LoadedImages> loaded = LoadPictures(arguments, calibration, context);
+  if (Result<void> complete = CheckAllHaveCameras(pictures->recorded, calibration, arguments.cameras); !complete)
+    return Fail(complete.error());
+  const Result<LoadedImages> loaded = LoadPictures(arguments, *pictures, calibration, context);
   if (!loaded) return Fail(loaded.error());
   StereoOptions options = arguments.stereo;
   options.expected_error_px.assign(calibration.views.size(), arguments.expected_error_px);
@@ -71,15 +77,13 @@ int RunMvs(const MvsArguments& arguments, const CommandSession& session) {
 void AddMvsCommand(CLI::App& app, CommandSession& session) {
   auto arguments = std::make_shared<MvsArguments>();
   CLI::App* command = app.add_subcommand("mvs", "Patches on the object's surface by multi-view stereo");
-  command->add_option("--images", arguments->images, "Folder of the images")->required();
+  AddPictureOptions(*command, arguments->pictures);
   command->add_option("--cameras", arguments->cameras, "Camera file, see docs/formats.md")->required();
   command->add_option("--level", arguments->stereo.level, "Pyramid level, 0 is full size")
       ->required()
       ->check(CLI::Range(0, kMaxLevel));
   command->add_option("--out", arguments->out, "patches.ply to write")->required();
   AddMaskOptions(*command, arguments->masks);
-  command->add_option("--camera-from-name", arguments->camera_from_name,
-                      "Regular expression on the image name; its first group is the physical camera");
   command->add_option("--threads", arguments->num_threads, "Threads")->check(CLI::Range(1, 256))->capture_default_str();
   command->add_option("--cell", arguments->stereo.cell_px, "One patch per cell of so many pixels of the level")
       ->check(CLI::Range(1, 16))

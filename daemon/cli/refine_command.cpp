@@ -44,7 +44,7 @@ int ValidateCameras(const RunRequest& request, const CommandSession& session) {
   if (!run) return line.Clear(), FailWith("validate", run.error());
   std::optional<RigCalibration> prior;
   if (!request.prior.empty()) {
-    auto loaded = LoadCameras(request.prior, {.camera_from_name = request.camera_from_name});
+    auto loaded = LoadCameras(request.prior, run->pictures.naming);
     if (!loaded) return line.Clear(), FailWith("validate", loaded.error());
     prior = std::move(loaded->calibration);
   }

@@ -50,12 +50,12 @@ Result<std::vector<bool>> FixedViews(const std::vector<std::string>& ids, const 
   return ids.empty() ? std::vector<bool>{} : fixed;
 }
 
-Provenance ProvenanceOf(const RunRequest& request, const LoadedCameras& cameras, const LoadedImages& images) {
+Provenance ProvenanceOf(const RunRequest& request, const PreparedRun& run) {
   Provenance p{.program_version = std::string(ProgramVersion()), .method = request.method};
   p.options = {
       {"expected-error-px", request.expected_error_px ? fmt::format("{}", *request.expected_error_px) : "auto"},
       {"intrinsics", request.intrinsics},
-      {"camera-from-name", request.camera_from_name},
+      {"camera-from-name", request.pictures.camera_from_name},
       {"masks", request.masks.source},
       {"mask-from-name", request.masks.mask_from_name},
       {"aspect", fmt::format("{}", request.aspect)},
@@ -64,9 +64,9 @@ Provenance ProvenanceOf(const RunRequest& request, const LoadedCameras& cameras,
       {"rounds", fmt::format("{}", request.num_rounds)},
       {"holdout", fmt::format("{}", request.holdout_share)}};
   p.random_seed = request.random_seed;
-  p.inputs = cameras.files;
-  p.inputs.insert(p.inputs.end(), images.files.begin(), images.files.end());
-  p.notes = cameras.notes;
+  for (const std::vector<InputFile>* files : {&run.cameras.files, &run.pictures.files, &run.images.files})
+    p.inputs.insert(p.inputs.end(), files->begin(), files->end());
+  p.notes = run.cameras.notes;
   return p;
 }
 
@@ -87,7 +87,7 @@ const char* MaskKindName(MaskKind kind) {
 }  // namespace
 
 void AddRunOptions(CLI::App& command, RunRequest& request) {
-  command.add_option("--images", request.images, "Folder of photographs")->required();
+  AddPictureOptions(command, request.pictures);
   command
       .add_option("--cameras", request.cameras, "Cameras: Middlebury *_par.txt, COLMAP text model or calibration.json")
       ->required();
@@ -96,8 +96,6 @@ void AddRunOptions(CLI::App& command, RunRequest& request) {
                   "Er: how many pixels the cameras may be off; estimated from the photographs when absent")
       ->check(CLI::Range(0.1, 31.0));
   AddMaskOptions(command, request.masks);
-  command.add_option("--camera-from-name", request.camera_from_name,
-                     "Regular expression on the image's name; its first group is the physical camera");
   command.add_option("--aspect", request.aspect, "fx / fy of every camera")->check(CLI::Range(0.5, 2.0));
   command.add_option("--aspect-sigma", request.aspect_sigma, "How sure that is (1 sigma)")
       ->check(CLI::Range(1e-6, 1.0));
@@ -108,19 +106,26 @@ void AddRunOptions(CLI::App& command, RunRequest& request) {
 
 Result<PreparedRun> PrepareRun(const RunRequest& request, RunContext& context) {
   PreparedRun run;
-  const CameraFileOptions file{.camera_from_name = request.camera_from_name,
-                               .intrinsics = ModeOf(request),
-                               .allow_skew = request.method == "paper"};
+  auto pictures = OpenPictures(request.pictures);
+  if (!pictures) return Fail(pictures.error());
+  run.pictures = std::move(*pictures);
+
+  CameraFileOptions file = run.pictures.naming;
+  file.intrinsics = ModeOf(request);
+  file.allow_skew = request.method == "paper";
   auto cameras = LoadCameras(request.cameras, file);
   if (!cameras) return Fail(cameras.error());
   run.cameras = std::move(*cameras);
+  if (auto complete = CheckAllHaveCameras(run.pictures.recorded, run.cameras.calibration, request.cameras); !complete)
+    return Fail(complete.error());
 
   ImageOptions options{.num_levels = kPyramidLevels, .colour_level = kColourLevel};
   options.masks = request.masks.Source();
   options.mask_folder = request.masks.Folder();
   options.mask_from_name = request.masks.mask_from_name;
+  options.sha256_by_image = run.pictures.recorded.sha256_by_image;
   auto images = context.Time("load", -1, [&](const Execution& execution) {
-    return LoadImages(request.images, run.cameras.calibration, options, execution);
+    return LoadImages(run.pictures.folder, run.cameras.calibration, options, execution);
   });
   if (!images) return Fail(images.error());
   run.images = std::move(*images);
@@ -135,7 +140,7 @@ Result<PreparedRun> PrepareRun(const RunRequest& request, RunContext& context) {
   run.options.fixed_views = std::move(*fixed);
   run.options.holdout_share = request.holdout_share;
   run.options.random_seed = request.random_seed;
-  run.provenance = ProvenanceOf(request, run.cameras, run.images);
+  run.provenance = ProvenanceOf(request, run);
   return run;
 }
 

@@ -11,18 +11,18 @@
 #include "daemon/calibration_run.h"
 #include "daemon/cli/command.h"
 #include "daemon/cli/mask_options.h"
+#include "daemon/cli/picture_source.h"
 
 namespace rigcal {
 
 /// What `refine` and `validate` are asked for, as given on the command line.
 struct RunRequest {
-  std::filesystem::path images;
+  PictureSource pictures;
   std::filesystem::path cameras;
   std::filesystem::path out;    ///< refine only
   std::filesystem::path prior;  ///< validate only; empty: none
   std::optional<double> expected_error_px;
   MaskRequest masks;
-  std::string camera_from_name;
   std::string intrinsics = "per-camera";
   double aspect = CameraPrior{}.aspect;
   double aspect_sigma = CameraPrior{}.aspect_sigma;
@@ -40,14 +40,15 @@ void AddRunOptions(CLI::App& command, RunRequest& request);
 
 /// Everything that a run needs, read and checked.
 struct PreparedRun {
+  OpenedPictures pictures;
   LoadedCameras cameras;
   LoadedImages images;
   RefineOptions options;
   Provenance provenance;
 };
 
-/// Reads cameras and pictures. Errors: those of LoadCameras and LoadImages; kNotFound for a camera to be fixed that
-/// does not exist.
+/// Reads cameras and pictures. Errors: those of OpenPictures, LoadCameras and LoadImages; kNotFound for a camera to be
+/// fixed that does not exist.
 Result<PreparedRun> PrepareRun(const RunRequest& request, RunContext& context);
 
 /// Completes a report with what was learnt while reading.

@@ -7,7 +7,9 @@
 #include "config/atomic_file.h"
 #include "config/calibration_file.h"
 #include "config/middlebury.h"
+#include "config/recording_file.h"
 #include "core/base/random.h"
+#include "daemon/cli/sim_recording.h"
 
 namespace rigcal {
 namespace {
@@ -132,6 +134,9 @@ Result<void> WriteSimStart(const sim::Studio& studio, const std::vector<sim::Vis
 Result<void> WriteSimFolder(const sim::Studio& studio, const SimFolderOptions& options, const fs::path& folder,
                             const Execution& execution) {
   if (Result<void> ok = Check(options); !ok) return ok;
+  std::error_code error;
+  if (fs::exists(folder / kRecordingFile, error))
+    return Fail(ErrorCode::kBadInput, "{}: holds a recording, which is not written over", folder.string());
   if (Result<void> ok = PrepareOutputFolder(folder / "masks"); !ok) return ok;
   const auto points = sim::SurfacePoints(studio, options.num_points, kMinViewsOfPoint);
   if (Result<void> ok = WriteFileAtomically(folder / "points.txt", PointsText(points)); !ok) return ok;
@@ -146,7 +151,8 @@ Result<void> WriteSimFolder(const sim::Studio& studio, const SimFolderOptions& o
   if (Result<void> ok = WriteFileAtomically(folder / "truth.json", sim::TruthText(studio, options.shot)); !ok) {
     return ok;
   }
-  return WriteViews(studio, options.shot, folder, execution);
+  if (Result<void> ok = WriteViews(studio, options.shot, folder, execution); !ok || !options.recording) return ok;
+  return WriteSimRecording(studio, options.shot, folder);
 }
 
 }  // namespace rigcal

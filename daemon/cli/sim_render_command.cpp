@@ -91,6 +91,7 @@ void AddSimRenderCommand(CLI::App& sim, CommandSession& session) {
   command->add_option("--disturb-px", folder.disturb_px, "Mean errors of the disturbed starts")
       ->delimiter(',')
       ->capture_default_str();
+  command->add_flag("--recording", folder.recording, "Also write recording.json: the folder is a recording");
   command->add_option("--random-seed", studio.random_seed, "Of noise, step errors and starts")->capture_default_str();
   command->add_option("--threads", request->num_threads)->capture_default_str();
   command->callback([request, &session] {

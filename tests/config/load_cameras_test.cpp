@@ -88,15 +88,25 @@ TEST(LoadMiddlebury, PerViewKeepsIntrinsicsApart) {
 
 TEST(LoadMiddlebury, UnchangedSharesCamerasOnlyWhereTheyAreTheSame) {
   const TemporaryFolder folder;
-  const auto same = LoadCamerasUnchanged(folder.Write("same_par.txt", ThreeLines()), "");
+  const auto same = LoadCamerasUnchanged(folder.Write("same_par.txt", ThreeLines()));
   ASSERT_TRUE(same) << Message(same);
   EXPECT_EQ(same->calibration.NumCameras(), 1);
   const std::string differing = "2\n" + ParLine("a.png") + ParLine("b.png", "1500 3 320 0 1510 240.5 0 0 1");
-  const auto kept = LoadCamerasUnchanged(folder.Write("differing_par.txt", differing), "");
+  const auto kept = LoadCamerasUnchanged(folder.Write("differing_par.txt", differing));
   ASSERT_TRUE(kept) << Message(kept);
   ASSERT_EQ(kept->calibration.NumCameras(), 2);
   EXPECT_EQ(kept->calibration.CameraOf(1).cy_px, 240.5);
   EXPECT_EQ(kept->calibration.CameraOf(1).skew_px, 3);
+}
+
+TEST(LoadMiddlebury, ARecordingTellsPhysicalCameras) {
+  const std::string text = "3\n" + ParLine("a.png") + ParLine("b.png") + ParLine("c.png");
+  const auto loaded = LoadText(text, {.camera_by_image = {{"a.png", "up"}, {"b.png", "low"}, {"c.png", "up"}}});
+  ASSERT_TRUE(loaded) << Message(loaded);
+  ASSERT_EQ(loaded->calibration.NumCameras(), 2);
+  EXPECT_EQ(loaded->calibration.CameraOf(1).id, "low");
+  EXPECT_EQ(loaded->calibration.views[2].camera, 0);
+  EXPECT_THAT(Message(LoadText(text, {.camera_by_image = {{"a.png", "up"}}})), HasSubstr("no picture 'b.png'"));
 }
 
 TEST(LoadMiddlebury, RegexTellsPhysicalCameras) {

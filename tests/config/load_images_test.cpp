@@ -132,6 +132,26 @@ TEST_F(LoadImagesTest, MissingImage) {
   EXPECT_THAT(loaded.error().message, HasSubstr("ring_01.png"));
 }
 
+TEST_F(LoadImagesTest, ImageThatIsNotTheRecordedOne) {
+  ImageOptions options{.masks = MaskSource::kNone};
+  options.sha256_by_image["ring_01.png"] = Sha256Hex(*ReadFile(folder_.Path() / "ring_01.png"));
+  EXPECT_TRUE(Load(options));
+  options.sha256_by_image["ring_01.png"] = std::string(64, 'a');
+  EXPECT_THAT(Message(Load(options)), AllOf(HasSubstr("ring_01.png"), HasSubstr("aaaa"), HasSubstr("was changed")));
+}
+
+TEST_F(LoadImagesTest, OverExposedObject) {
+  cv::Mat picture = Picture();
+  picture.colRange(0, 15) = cv::Scalar(255);  // of the 32 columns that are object
+  WriteImage(folder_.Path() / "ring_01.png", picture);
+  EXPECT_TRUE(Load(WithMasks()));
+  picture.colRange(0, 17) = cv::Scalar(255);
+  WriteImage(folder_.Path() / "ring_01.png", picture);
+  EXPECT_THAT(Message(Load(WithMasks())),
+              AllOf(HasSubstr("ring_01.png"), HasSubstr("53 %"), HasSubstr("over-exposed")));
+  EXPECT_TRUE(Load()) << "without a mask it may be the backdrop";
+}
+
 TEST_F(LoadImagesTest, UnreadableImage) {
   folder_.Write("ring_01.png", "this is a text");
   EXPECT_THAT(Message(Load()), AllOf(HasSubstr("ring_01.png"), HasSubstr("not an image")));

@@ -2,6 +2,7 @@
 """Bad input, as a user meets it: each case must end with status 2, one sentence on stderr that names what is wrong, and
 nothing written. bad_input.py --rigcal BIN"""
 import argparse
+import json
 import pathlib
 import shutil
 import subprocess
@@ -32,9 +33,9 @@ class Case:
     def image(self, view):
         return self.folder / self.lines()[1 + view].split()[0]
 
-    def refine(self, out=None):
+    def refine(self, out=None, source="--images"):
         out = out or self.folder / "out"
-        command = [self.rigcal, "refine", "--images", str(self.folder), "--cameras", str(self.par), "--out", str(out),
+        command = [self.rigcal, "refine", source, str(self.folder), "--cameras", str(self.par), "--out", str(out),
                    "--masks", self.masks, "--expected-error-px", "4", "--rounds", "1"]
         return subprocess.run(command, capture_output=True, text=True, timeout=120)
 
@@ -115,8 +116,82 @@ def mask_of_wrong_size(case):
     return [path.name]
 
 
+def over_exposed(case):
+    import cv2
+    path = str(case.image(2))
+    cv2.imwrite(path, cv2.convertScaleAbs(cv2.imread(path), alpha=8))
+    return [case.image(2).name, "over-exposed", "50 %"]
+
+
 CASES = [missing_image, truncated_png, unreadable_image, differing_size, principal_point_outside, too_few_numbers,
-         not_a_number, no_rotation, looking_away, two_views, skew, no_par_file, mask_of_wrong_size]
+         not_a_number, no_rotation, looking_away, two_views, skew, no_par_file, mask_of_wrong_size,
+         over_exposed]
+
+
+def edit_list(case, edit):
+    path = case.folder / "recording.json"
+    recording = json.loads(path.read_text())
+    edit(recording)
+    path.write_text(json.dumps(recording))
+
+
+def list_truncated(case):
+    path = case.folder / "recording.json"
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    return ["recording.json", "line"]
+
+
+def list_missing(case):
+    (case.folder / "recording.json").unlink()
+    return ["recording.json"]
+
+
+def list_of_a_newer_version(case):
+    edit_list(case, lambda recording: recording.update(version=2))
+    return ["recording.json", "version 2"]
+
+
+def recording_empty(case):
+    edit_list(case, lambda recording: recording.update(views=[]))
+    return ["recording.json", "empty"]
+
+
+def recording_of_a_chart(case):
+    edit_list(case, lambda recording: [view.update(subject="chart") for view in recording["views"]])
+    return ["recording.json", "6 views", "object"]
+
+
+def recording_not_closed(case):
+    edit_list(case, lambda recording: recording.update(closed=False))
+    return ["recording.json", "not closed"]
+
+
+def recorded_image_missing(case):
+    case.image(2).unlink()
+    return [case.image(2).name]
+
+
+def recorded_image_changed(case):
+    case.image(2).write_bytes(case.image(3).read_bytes())
+    return [case.image(2).name, "SHA-256"]
+
+
+def picture_without_camera(case):
+    lines = case.lines()
+    name = lines.pop().split()[0]
+    case.par.write_text("\n".join(["5"] + lines[1:]) + "\n")
+    return ["truth_par.txt", name]
+
+
+def camera_without_picture(case):
+    case.edit_par(2, 0, "other.png")
+    return ["truth_par.txt", "other.png"]
+
+
+# Those that `recording check` must find too, and those that lie between recording and cameras.
+SPOILT_RECORDINGS = [list_truncated, list_missing, list_of_a_newer_version, recording_empty, recording_not_closed,
+                     recorded_image_missing, recorded_image_changed]
+RECORDING_CASES = SPOILT_RECORDINGS + [recording_of_a_chart, picture_without_camera, camera_without_picture]
 
 
 def judge(name, done, words, out):
@@ -131,6 +206,55 @@ def judge(name, done, words, out):
         complaints.append(f"left {[p.name for p in out.iterdir()]} behind")
     print(f"{'ok  ' if not complaints else 'FAIL'} {name}: {sentence}" + (f"   ({'; '.join(complaints)})" if complaints else ""))
     return not complaints
+
+
+def recordings(rigcal, root):
+    """Recordings that are spoilt: refined and checked; pictures that make none; options that contradict each other."""
+    good = True
+    for spoil in RECORDING_CASES:
+        case = Case(rigcal, root / "set", root / spoil.__name__)
+        words = spoil(case)
+        good &= judge(spoil.__name__, case.refine(source="--recording"), words, case.folder / "out")
+        check = subprocess.run([rigcal, "recording", "check", str(case.folder)], capture_output=True, text=True)
+        found = check.returncode == 2 and words[0] in check.stdout + check.stderr
+        if found != (spoil in SPOILT_RECORDINGS):
+            print(f"FAIL {spoil.__name__}: recording check says {check.returncode} {check.stdout}{check.stderr}")
+            good = False
+    case = Case(rigcal, root / "set", root / "both")
+    done = subprocess.run([rigcal, "refine", "--recording", str(case.folder), "--camera-from-name", "(cam0)", "--cameras",
+                           str(case.par), "--out", str(case.folder / "out")], capture_output=True, text=True)
+    refused = done.returncode == 2 and "--camera-from-name" in done.stderr and not (case.folder / "out").exists()
+    print(f"{'ok  ' if refused else 'FAIL'} recording and camera-from-name: {done.stderr.splitlines()[0]}")
+    return good and refused & imports(rigcal, root)
+
+
+def imports(rigcal, root):
+    source, out = root / "plain", root / "imported"
+    source.mkdir()
+    for path in (root / "set").glob("*.png"):
+        shutil.copy(path, source)
+    good = True
+
+    def refused(name, words, *more):
+        done = subprocess.run([rigcal, "recording", "import", "--images", str(source), "--what", "object", "--out", str(out)] +
+                              list(more), capture_output=True, text=True)
+        fits = (done.returncode == 2 and done.stderr.startswith("rigcal recording import: ") and done.stderr.count("\n") == 1
+                and all(word in done.stderr for word in words) and not list(root.glob(".imported*")))
+        print(f"{'ok  ' if fits else 'FAIL'} {name}: {done.stderr.strip()}")
+        return fits
+
+    good &= refused("import_pattern", ["cam1", "cam0_stop00.png"], "--camera-from-name", "(cam1)")
+    good &= refused("import_angles", ["angles.txt"], "--stop-from-name", "stop([0-9]+)", "--angles-deg", "angles.txt")
+    good &= refused("import_one_stop", ["cam0_stop01.png", "stop '0'"], "--stop-from-name", "stop(0)")
+    (source / "cam0_stop05.png").write_text("not a picture")
+    good &= refused("import_unreadable", ["cam0_stop05.png"])
+    if out.exists():
+        print("FAIL an import that was refused left its folder behind")
+        good = False
+    out.mkdir()
+    (out / "precious").write_text("")
+    good &= refused("import_over_something", ["imported", "not empty"])
+    return good
 
 
 def full_disk(case):
@@ -159,12 +283,13 @@ def main():
     good = True
     try:
         subprocess.run([rigcal, "sim", "render", "--scene", "textured", "--motion", "turntable", "--cameras", "1", "--stops", "6",
-                        "--width", "320", "--height", "240", "--random-seed", "1", "--out", str(root / "set")], check=True,
-                       capture_output=True)
+                        "--width", "320", "--height", "240", "--random-seed", "1", "--recording", "--out", str(root / "set")],
+                       check=True, capture_output=True)
         for spoil in CASES:
             case = Case(rigcal, root / "set", root / spoil.__name__)
             words = spoil(case)
             good &= judge(spoil.__name__, case.refine(), words, case.folder / "out")
+        good &= recordings(rigcal, root)
         case = Case(rigcal, root / "set", root / "unwritable")
         (case.folder / "file").write_text("")
         good &= judge("unwritable_out", case.refine(case.folder / "file"), ["file"], case.folder / "out")

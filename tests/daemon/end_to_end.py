@@ -25,7 +25,7 @@ class Bench:
         self.root = root
         self.failures = 0
         subprocess.run([rigcal, "sim", "render", "--scene", "textured", "--motion", "turntable", "--cameras", "1", "--stops",
-                        "12", "--width", "640", "--height", "480", "--random-seed", "1", "--out", str(root / "set")],
+                        "12", "--width", "640", "--height", "480", "--random-seed", "1", "--recording", "--out", str(root / "set")],
                        check=True, capture_output=True)
 
     def check(self, name, good, what):
@@ -76,6 +76,34 @@ def it_stops(bench):
                 f"{seconds:.2f} s after the signal, status {process.returncode}, left behind {left}")
 
 
+def recording_is_as_good_as_its_pictures(bench):
+    """import -> check -> refine --recording gives what refine --images with the same pattern gives."""
+    folder, pattern = bench.root / "recording", "(cam[0-9]+)_"
+    imported = subprocess.run([bench.rigcal, "recording", "import", "--images", str(bench.root / "set"), "--camera-from-name",
+                               pattern, "--stop-from-name", "stop([0-9]+)", "--angles-deg", "0:30", "--what", "object", "--out",
+                               str(folder)], capture_output=True, text=True)
+    check = subprocess.run([bench.rigcal, "recording", "check", str(folder)], capture_output=True, text=True)
+    made, simulated = (json.loads((path / "recording.json").read_text()) for path in (folder, bench.root / "set"))
+    angles = [[stop["axes"][0].pop("commanded_rad") for stop in recording["stops"]] for recording in (made, simulated)]
+    same = all(made[key] == simulated[key] for key in ("cameras", "stops", "views")) and numpy.allclose(*angles, atol=1e-12)
+    bench.check("import", imported.returncode == check.returncode == 0 and same and "12 views, 0 faults" in check.stdout,
+                f"{imported.stdout.strip()} {imported.stderr.strip()}; as simulated: {same}; {check.stdout.strip()}")
+
+    results = []
+    for source in (["--images", str(bench.root / "set"), "--camera-from-name", pattern], ["--recording", str(folder)]):
+        out = bench.root / f"from{source[0][1:]}"
+        done = subprocess.run([bench.rigcal, "refine", *source, "--cameras", str(bench.root / "set/start_6px_par.txt"), "--out",
+                               str(out), "--expected-error-px", "7", "--rounds", "1"], capture_output=True, text=True)
+        results.append(digests(out))
+        calibration = json.loads((out / "calibration.json").read_text())
+        calibration.pop("provenance")
+        results[-1]["calibration.json"] = json.dumps(calibration)
+    names = [name for name in results[0] if results[0][name] != results[1].get(name)]
+    camera = calibration["cameras"][0]["id"]
+    bench.check("recording", done.returncode in (0, 3) and len(results[0]) == 4 and not names and camera == "cam0",
+                f"{len(results[0])} files, differing from those of the plain folder: {names or 'none'}; camera '{camera}'")
+
+
 def names_view(bench, case, spoil, views):
     folder = bench.root / case
     shutil.copytree(bench.root / "set", folder)
@@ -119,6 +147,7 @@ def main():
         truth_is_found(bench)
         threads_do_not_matter(bench)
         it_stops(bench)
+        recording_is_as_good_as_its_pictures(bench)
         names_view(bench, "black", black, range(12))
         names_view(bench, "blurred", blur_third, [3])
         names_view(bench, "swapped", swap_two, [2, 7])

@@ -37,6 +37,8 @@ VENDOR_HOMES = {
     r"(sqlite3|SQLiteCpp)": {"config"},
     r"httplib": {"daemon"},
     r"CLI/": {"daemon/cli"},
+    r"toml\+\+": {"config"},
+    r"hpdf": {"config"},
     r"nlohmann/": {"config", "daemon", "daemon/cli", "sim_fixtures"},
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s+["<]([^">]+)[">]', re.M)

@@ -1,0 +1,139 @@
+#include "config/board_file.h"
+
+#define TOML_EXCEPTIONS 0
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <optional>
+#include <variant>
+
+#include "config/atomic_file.h"
+#include "config/read_file.h"
+#include "core/seed/check_board.h"
+#include "core/seed/tag_family.h"
+
+namespace rigcal {
+namespace {
+
+constexpr int kMaxTagsAcross = 256;
+constexpr double kMinTagM = 0.0005, kMaxTagM = 5;
+constexpr double kMaxThicknessM = 0.5;
+// Families with data around their square need up to 1.2 edges between tags; wider gaps waste the board.
+constexpr double kMaxGapShare = 2;
+
+using Member = std::variant<std::string Board::*, int Board::*, double Board::*>;
+
+/// One key of the file: the only place where keys and ranges stand.
+struct Key {
+  std::string_view name;
+  Member member;
+  double least = 0, most = 0;
+  bool required = true;
+};
+
+constexpr std::array<Key, 8> kKeys = {{
+    {"family", &Board::family},
+    {"border_bits", &Board::border_bits, 1, TagFamily::kMaxBorderBits, false},
+    {"columns", &Board::columns, 1, kMaxTagsAcross},
+    {"rows", &Board::rows, 1, kMaxTagsAcross},
+    {"tag_m", &Board::tag_m, kMinTagM, kMaxTagM},
+    {"gap_m", &Board::gap_m, std::numeric_limits<double>::min(), kMaxGapShare* kMaxTagM},
+    {"first_id", &Board::first_id, 0, std::numeric_limits<int>::max() / 2, false},
+    {"thickness_m", &Board::thickness_m, 0, kMaxThicknessM, false},
+}};
+
+std::string Where(const std::string& file, const toml::node& node, std::string_view key) {
+  return fmt::format("{} line {}: {}", file, node.source().begin.line, key);
+}
+
+Result<void> ReadKey(const Key& key, const toml::node& node, const std::string& file, Board& board) {
+  const std::string where = Where(file, node, key.name);
+  if (const auto* text = std::get_if<std::string Board::*>(&key.member)) {
+    if (!node.is_string())
+      return Fail(ErrorCode::kBadInput, "{} must be a text in quotes, a family of AprilTags", where);
+    board.*(*text) = node.ref<std::string>();
+    return {};
+  }
+  const bool whole = std::holds_alternative<int Board::*>(key.member);
+  const char* kind = whole ? "a whole number" : "a number in metres";
+  if (!node.is_integer() && (whole || !node.is_floating_point()))
+    return Fail(ErrorCode::kBadInput, "{} must be {} from {:.4g} to {:.4g}", where, kind, key.least, key.most);
+  const double value = node.is_integer() ? static_cast<double>(node.ref<std::int64_t>()) : node.ref<double>();
+  if (!(value >= key.least && value <= key.most))
+    return Fail(ErrorCode::kBadInput, "{} = {} is outside its range, {} from {:.4g} to {:.4g}", where, value, kind,
+                key.least, key.most);
+  if (whole)
+    board.*std::get<int Board::*>(key.member) = static_cast<int>(value);
+  else
+    board.*std::get<double Board::*>(key.member) = value;
+  return {};
+}
+
+Result<void> CheckGap(const toml::table& table, const std::string& file, const Board& board) {
+  if (board.gap_m <= kMaxGapShare * board.tag_m) return {};
+  std::string message = fmt::format("{} = {} is more than {:.4g} (twice tag_m)",
+                                    Where(file, *table.get("gap_m"), "gap_m"), board.gap_m, kMaxGapShare * board.tag_m);
+  if (board.gap_m <= 1)
+    message += fmt::format("; it looks like Kalibr's spacing ratio mistaken for a length, which would be {:.6g} m",
+                           board.gap_m * board.tag_m);
+  return Fail(ErrorCode::kBadInput, "{}", message);
+}
+
+// The first key that a message of CheckBoard names, so that its line can be told.
+std::string_view NamedKey(const std::string& message) {
+  return std::string_view(message).substr(0, message.find_first_of(",:"));
+}
+
+}  // namespace
+
+Result<Board> ParseBoard(std::string_view text, const std::string& file) {
+  const toml::parse_result parsed = toml::parse(text, file);
+  if (!parsed)
+    return Fail(ErrorCode::kBadInput, "{} line {}: not TOML: {}", file, parsed.error().source().begin.line,
+                parsed.error().description());
+  const toml::table& table = parsed.table();
+  for (const auto& [name, node] : table)
+    if (std::none_of(kKeys.begin(), kKeys.end(), [&](const Key& key) { return key.name == name.str(); }))
+      return Fail(ErrorCode::kBadInput,
+                  "{} is no key of a board file; known are family, border_bits, columns, rows, tag_m, gap_m, first_id, "
+                  "thickness_m",
+                  Where(file, node, name.str()));
+  Board board;
+  for (const Key& key : kKeys) {
+    const toml::node* node = table.get(key.name);
+    if (node == nullptr && key.required) return Fail(ErrorCode::kBadInput, "{}: {} is missing", file, key.name);
+    if (node == nullptr) continue;
+    if (const Result<void> read = ReadKey(key, *node, file, board); !read) return Fail(read.error());
+  }
+  if (const Result<void> gap = CheckGap(table, file, board); !gap) return Fail(gap.error());
+  if (const Result<void> checked = CheckBoard(board); !checked) {
+    const toml::node* node = table.get(NamedKey(checked.error().message));
+    const std::size_t line = node == nullptr ? 1 : node->source().begin.line;
+    return Fail(ErrorCode::kBadInput, "{} line {}: {}", file, line, checked.error().message);
+  }
+  return board;
+}
+
+Result<Board> LoadBoard(const std::filesystem::path& path) {
+  const Result<std::string> text = ReadFile(path);
+  if (!text) return Fail(text.error());
+  return ParseBoard(*text, path.string());
+}
+
+std::string BoardText(const Board& board) {
+  return fmt::format(
+      "# A board of AprilTags. Lengths in metres; ids count from the lower left, row by row upwards.\n"
+      "family = \"{}\"\nborder_bits = {}\ncolumns = {}\nrows = {}\n"
+      "tag_m = {}  # edge of a tag's square\ngap_m = {}  # between the squares of neighbours\nfirst_id = {}\n"
+      "thickness_m = {}  # from the print to the table\n",
+      board.family, board.border_bits, board.columns, board.rows, board.tag_m, board.gap_m, board.first_id,
+      board.thickness_m);
+}
+
+Result<void> SaveBoard(const std::filesystem::path& path, const Board& board) {
+  return WriteFileAtomically(path, BoardText(board));
+}
+
+}  // namespace rigcal

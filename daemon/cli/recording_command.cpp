@@ -1,0 +1,81 @@
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <memory>
+#include <thread>
+
+#include "config/recording_check.h"
+#include "config/recording_file.h"
+#include "config/recording_import.h"
+#include "daemon/cli/run_request.h"
+
+namespace rigcal {
+namespace {
+
+struct ImportArguments {
+  PictureFolder pictures;
+  std::string subject;
+  std::filesystem::path out;
+};
+
+std::string Summary(const Recording& recording) {
+  return fmt::format("{} cameras, {} stops, {} views", recording.cameras.size(), recording.stops.size(),
+                     recording.views.size());
+}
+
+int RunImport(ImportArguments& arguments, const CommandSession& session) {
+  for (const Subject subject : {Subject::kChart, Subject::kObject, Subject::kBoth})
+    if (arguments.subject == NameOf(subject)) arguments.pictures.subject = subject;
+  Execution execution{.stop = session.stop};
+  if (session.on_terminal)
+    execution.report_progress = [](double share) { fmt::print(stderr, "\rimport {:3.0f} %", 100 * share); };
+  const Result<Recording> recording = ImportRecording(arguments.pictures, arguments.out, execution);
+  if (session.on_terminal) fmt::print(stderr, "\n");
+  if (!recording) return FailWith("recording import", recording.error());
+  fmt::print("{}: {}\n", arguments.out.string(), Summary(*recording));
+  return kExitAccepted;
+}
+
+int RunCheck(const std::filesystem::path& folder, const CommandSession& session) {
+  const int num_threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const auto findings = CheckRecording(folder, {.stop = session.stop, .num_threads = num_threads});
+  if (!findings) return FailWith("recording check", findings.error());
+  for (const std::string& fault : findings->faults) fmt::print("fault: {}\n", fault);
+  for (const std::string& remark : findings->remarks) fmt::print("note: {}\n", remark);
+  fmt::print("{}: {}, {}, {} faults\n", folder.string(), findings->recording.closed ? "closed" : "not closed",
+             Summary(findings->recording), findings->faults.size());
+  return findings->faults.empty() ? kExitAccepted : kExitBadInput;
+}
+
+void AddImportCommand(CLI::App& recording, CommandSession& session) {
+  CLI::App* command = recording.add_subcommand("import", "Makes a recording of pictures taken by something else");
+  auto arguments = std::make_shared<ImportArguments>();
+  PictureFolder& pictures = arguments->pictures;
+  command->add_option("--images", pictures.folder, "Folder of pictures; they are copied")->required();
+  command->add_option("--camera-from-name", pictures.camera_from_name,
+                      "Regular expression on the image's name; its first group is the physical camera");
+  command->add_option("--stop-from-name", pictures.stop_from_name,
+                      "The same for the stop; without it each picture has a pose of its own");
+  command->add_option("--angles-deg", pictures.angles_deg,
+                      "The table's angle at the stops: START:STEP, or a file of lines 'STOP ANGLE'");
+  command->add_option("--what", arguments->subject, "What is seen")
+      ->required()
+      ->check(CLI::IsMember({"chart", "object", "both"}));
+  command->add_flag("--linear", pictures.linear, "Pixel values are proportional to the light, not gamma-encoded");
+  command->add_option("--out", arguments->out, "Folder of the recording; must not be there, or be empty")->required();
+  command->callback([arguments, &session] { session.exit_status = RunImport(*arguments, session); });
+}
+
+}  // namespace
+
+void AddRecordingCommand(CLI::App& app, CommandSession& session) {
+  CLI::App* recording = app.add_subcommand("recording", "Recordings: pictures with their cameras and stops");
+  recording->require_subcommand(1);
+  AddImportCommand(*recording, session);
+  CLI::App* check = recording->add_subcommand("check", "Whether a recording is whole and unchanged");
+  auto folder = std::make_shared<std::filesystem::path>();
+  check->add_option("DIR", *folder, "Folder of the recording")->required();
+  check->callback([folder, &session] { session.exit_status = RunCheck(*folder, session); });
+}
+
+}  // namespace rigcal
