@@ -54,7 +54,7 @@ double FocalSigma(const Camera& camera, int column, const Eigen::MatrixXd& covar
 void ReportCoverage(const SeedScene& scene, const ChartTerms& terms, const ChartState& state, SeedReport& report) {
   for (int c = 0; c < static_cast<int>(scene.cameras.size()); ++c) {
     std::array<bool, kCells* kCells> hit = {};
-    CameraReport& camera = report.cameras[c];
+    SeedCameraReport& camera = report.cameras[c];
     for (int v = 0; v < static_cast<int>(terms.views.size()); ++v) {
       const ChartView& view = terms.views[v];
       if (view.camera != c || view.corners.empty()) continue;
@@ -82,7 +82,7 @@ std::vector<std::string> Advise(const SeedScene& scene, const ChartTerms& terms,
   const bool has_rig = !state.rig.cam_from_mount.empty() && scene.rig.has_value();
   for (int c = 0; c < static_cast<int>(scene.cameras.size()); ++c) {
     std::vector<std::string> lacks;
-    const CameraReport& camera = report.cameras[c];
+    const SeedCameraReport& camera = report.cameras[c];
     const std::vector<std::string> unseen = UnseenZones(scene, terms, c);
     const double focal_sigma = FocalSigma(state.cameras[c], columns.intrinsics[c][kFx], covariance);
     if (!unseen.empty()) lacks.push_back(fmt::format("{} unseen: move the board there", Joined(unseen, ", ")));

@@ -130,7 +130,7 @@ bool ChooseK3(const SeedOptions& options, ChartTerms& terms, const ChartState& s
   const Eigen::VectorXd step = fit.covariance * fit.gradient;
   bool any = false;
   for (std::size_t c = 0; c < terms.uses_k3.size(); ++c) {
-    CameraReport& camera = report.cameras[c];
+    SeedCameraReport& camera = report.cameras[c];
     const int k3 = problem.Columns().intrinsics[c][kK3];
     camera.k3_gain = step[k3] * step[k3] / fit.covariance(k3, k3);
     camera.k3_cost = std::log(2.0 * std::max(1, camera.num_corners));
@@ -146,11 +146,11 @@ void ReportResiduals(const ChartTerms& terms, const ChartState& state, SeedRepor
   double sum2 = 0;
   int count = 0;
   std::vector<double> camera_sum2(report.cameras.size(), 0.0);
-  for (CameraReport& camera : report.cameras) camera.num_corners = camera.num_views = 0;
+  for (SeedCameraReport& camera : report.cameras) camera.num_corners = camera.num_views = 0;
   report.view_rms_px.assign(terms.views.size(), 0.0);
   for (std::size_t v = 0; v < terms.views.size(); ++v) {
     if (residuals.px[v].empty()) continue;
-    CameraReport& camera = report.cameras[terms.views[v].camera];
+    SeedCameraReport& camera = report.cameras[terms.views[v].camera];
     double view_sum2 = 0;
     for (const double px : residuals.px[v]) view_sum2 += px * px;
     const auto num = static_cast<int>(residuals.px[v].size());
@@ -173,7 +173,7 @@ Result<void> CheckFit(const SeedScene& scene, const SeedOptions& options, const 
   const auto worst =
       std::max_element(report.view_rms_px.begin(), report.view_rms_px.end()) - report.view_rms_px.begin();
   for (std::size_t c = 0; c < report.cameras.size(); ++c) {
-    const CameraReport& camera = report.cameras[c];
+    const SeedCameraReport& camera = report.cameras[c];
     if (camera.rms_px > options.max_rms_px) {
       return Fail(
           ErrorCode::kBadInput,

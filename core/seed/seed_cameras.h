@@ -77,7 +77,7 @@ struct RigEstimate {
 };
 
 /// How well a camera's picture and its lens are determined.
-struct CameraReport {
+struct SeedCameraReport {
   int num_views = 0, num_corners = 0, num_outliers = 0;
   double rms_px = 0;       ///< root mean square of one corner's distance
   double noise_scale = 0;  ///< sigma of a corner over the sigma that its detector stated
@@ -91,7 +91,7 @@ struct CameraReport {
 struct SeedReport {
   int num_iterations = 0;
   double rms_px = 0;
-  std::vector<CameraReport> cameras;
+  std::vector<SeedCameraReport> cameras;
   std::vector<double> view_rms_px;          ///< per view; 0 where nothing was used
   std::vector<std::string> advice;          ///< what to show next
   std::vector<std::string> contradictions;  ///< where the pictures and the rig model disagree, and who is at fault

@@ -33,7 +33,7 @@ TEST(RecordedSeed, KalibrGridOfYac) {
   }
   const Result<SeedResult> result = SeedCameras(scene, {}, {});
   ASSERT_TRUE(result) << result.error().message;
-  const CameraReport& camera = result->report.cameras[0];
+  const SeedCameraReport& camera = result->report.cameras[0];
   const Camera& lens = result->calibration.cameras[0];
   RecordProperty("rms_px", std::to_string(camera.rms_px));
   RecordProperty("noise_scale", std::to_string(camera.noise_scale));

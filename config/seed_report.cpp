@@ -1,0 +1,113 @@
+#include "config/seed_report.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "config/json_text.h"
+#include "core/base/ensure.h"
+
+namespace rigcal {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kVersion = 1;
+constexpr double kDegPerRad = 180 / std::numbers::pi;
+
+Json Number(double number) {
+  return std::isfinite(number) ? Json(number) : Json(nullptr);
+}
+
+IntrinsicVector SigmaOf(const RigCalibration& calibration, int camera) {
+  if (!calibration.covariance) return IntrinsicVector::Zero();
+  const int row = CalibrationCovariance::IntrinsicsRow(camera);
+  return calibration.covariance->joint.diagonal().segment<kNumIntrinsics>(row).cwiseMax(0).cwiseSqrt();
+}
+
+Json CamerasJson(const SeedResult& seed) {
+  Json json = Json::array();
+  for (int c = 0; c < seed.calibration.NumCameras(); ++c) {
+    const Camera& camera = seed.calibration.cameras[c];
+    const SeedCameraReport& report = seed.report.cameras[c];
+    Json entry = {{"id", camera.id}, {"width_px", camera.width_px}, {"height_px", camera.height_px}};
+    entry.update(IntrinsicsJson(camera.Intrinsics()));
+    entry["sigma"] = IntrinsicsJson(SigmaOf(seed.calibration, c));
+    entry.update({{"num_views", report.num_views},
+                  {"num_corners", report.num_corners},
+                  {"num_outliers", report.num_outliers},
+                  {"rms_px", Number(report.rms_px)},
+                  {"noise_scale", Number(report.noise_scale)},
+                  {"uses_k3", report.uses_k3},
+                  {"k3_gain", Number(report.k3_gain)},
+                  {"k3_cost", Number(report.k3_cost)},
+                  {"coverage", Number(report.coverage)},
+                  {"max_tilt_deg", Number(report.max_tilt_rad * kDegPerRad)}});
+    json.push_back(std::move(entry));
+  }
+  return json;
+}
+
+Json ViewsJson(const SeedScene& scene, const std::vector<ChartDetection>& detections, const SeedReport& report) {
+  Json json = Json::array();
+  for (std::size_t v = 0; v < scene.views.size(); ++v) {
+    Json findings = Json::array();
+    for (const ChartFinding& finding : detections[v].findings) findings.push_back(finding.message);
+    json.push_back({{"name", scene.views[v].name},
+                    {"camera", scene.cameras[scene.views[v].camera].id},
+                    {"num_tags", detections[v].num_tags},
+                    {"num_predicted_tags", detections[v].num_predicted},
+                    {"num_corners", detections[v].corners.size()},
+                    {"blur_px", Number(detections[v].blur_px)},
+                    {"rms_px", Number(report.view_rms_px[v])},
+                    {"findings", std::move(findings)}});
+  }
+  return json;
+}
+
+Json BoardJson(const SeedResult& seed) {
+  const BoardShape &shape = seed.board_shape, &sigma = seed.board_shape_sigma;
+  return {
+      {"bow_x_m", shape.bow_x_m},
+      {"bow_y_m", shape.bow_y_m},
+      {"stretch", shape.stretch},
+      {"sigma",
+       {{"bow_x_m", Number(sigma.bow_x_m)}, {"bow_y_m", Number(sigma.bow_y_m)}, {"stretch", Number(sigma.stretch)}}}};
+}
+
+}  // namespace
+
+std::string SeedReportText(const SeedScene& scene, const std::vector<ChartDetection>& detections,
+                           const SeedResult& seed) {
+  Ensure(detections.size() == scene.views.size(), "there is one detection per view");
+  const Json json = {{"format", "rigcal seed report"},
+                     {"version", kVersion},
+                     {"rms_px", Number(seed.report.rms_px)},
+                     {"cameras", CamerasJson(seed)},
+                     {"views", ViewsJson(scene, detections, seed.report)},
+                     {"board", BoardJson(seed)},
+                     {"advice", seed.report.advice},
+                     {"contradictions", seed.report.contradictions}};
+  return JsonText(json);
+}
+
+std::string SeedSummaryText(const SeedResult& seed) {
+  std::string text = fmt::format("chart corners: {:.3f} px RMS\n", seed.report.rms_px);
+  for (int c = 0; c < seed.calibration.NumCameras(); ++c) {
+    const Camera& camera = seed.calibration.cameras[c];
+    const SeedCameraReport& report = seed.report.cameras[c];
+    const IntrinsicVector sigma = SigmaOf(seed.calibration, c);
+    text += fmt::format(
+        "camera {}: fx {:.2f} +- {:.2f}, fy {:.2f} +- {:.2f}, cx {:.2f} +- {:.2f}, cy {:.2f} +- {:.2f} px; {} views, "
+        "{} corners, "
+        "{:.3f} px RMS\n",
+        camera.id, camera.fx_px, sigma[kFx], camera.fy_px, sigma[kFy], camera.cx_px, sigma[kCx], camera.cy_px,
+        sigma[kCy], report.num_views, report.num_corners, report.rms_px);
+  }
+  for (const std::string& sentence : seed.report.contradictions) text += sentence + "\n";
+  for (const std::string& sentence : seed.report.advice) text += sentence + "\n";
+  return text;
+}
+
+}  // namespace rigcal

@@ -1,0 +1,85 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <thread>
+
+#include "config/atomic_file.h"
+#include "config/board_file.h"
+#include "config/recording_file.h"
+#include "config/run_report.h"
+#include "config/seed_report.h"
+#include "daemon/cli/progress_line.h"
+#include "daemon/cli/run_request.h"
+#include "daemon/seed_run.h"
+
+namespace rigcal {
+namespace {
+
+struct SeedRequest {
+  std::filesystem::path recording, chart, out;
+  int num_threads = 0;  ///< 0: one for each processor
+  bool json = false;
+};
+
+struct OpenedChart {
+  ChartRecording chart;
+  Provenance provenance;
+};
+
+Result<OpenedChart> Open(const SeedRequest& request) {
+  Result<Board> board = LoadBoard(request.chart);
+  if (!board) return Fail(board.error());
+  Result<Recording> recording = LoadRecording(request.recording);
+  if (!recording) return Fail(recording.error());
+  const std::filesystem::path file = request.recording / kRecordingFile;
+  if (!recording->closed) return Fail(ErrorCode::kBadInput, "{}: the recording is not closed", file.string());
+  OpenedChart opened;
+  opened.provenance = {.program_version = std::string(ProgramVersion()), .method = "seed"};
+  for (const std::filesystem::path& input : {file, request.chart}) {
+    const Result<std::string> bytes = ReadFile(input);
+    if (!bytes) return Fail(bytes.error());
+    opened.provenance.inputs.push_back({input.filename().string(), Sha256Hex(*bytes)});
+  }
+  for (const RecordedView& view : recording->views) {
+    if (view.subject != Subject::kObject) opened.provenance.inputs.push_back({view.file, view.sha256});
+  }
+  opened.chart = {request.recording, std::move(*recording), *board};
+  return opened;
+}
+
+int Seed(const SeedRequest& request, const CommandSession& session) {
+  if (auto writable = PrepareOutputFolder(request.out); !writable) return FailWith("seed", writable.error());
+  const int num_threads = request.num_threads > 0 ? request.num_threads
+                                                  : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  ProgressLine line(session.on_terminal, MonotonicSeconds);
+  RunContext context(session.stop, num_threads, MonotonicSeconds,
+                     [&line](const RunProgress& progress) { line.Show(progress); });
+  const Result<OpenedChart> opened = Open(request);
+  if (!opened) return line.Clear(), FailWith("seed", opened.error());
+  const Result<SeededRig> rig = SeedRig(opened->chart, context);
+  if (!rig) return line.Clear(), FailWith("seed", rig.error());
+  auto written = WriteSeedOutput(*rig, opened->provenance, request.out);
+  if (written) written = WriteTimingJson(context.Timing(), request.out / "timing.json");
+  line.Clear();
+  if (!written) return FailWith("seed", written.error());
+  fmt::print("{}", request.json ? SeedReportText(rig->scene, rig->detections, rig->seed) : SeedSummaryText(rig->seed));
+  return kExitAccepted;
+}
+
+}  // namespace
+
+void AddSeedCommand(CLI::App& app, CommandSession& session) {
+  CLI::App* command = app.add_subcommand("seed", "Calibrate cameras from a recording of the chart");
+  auto request = std::make_shared<SeedRequest>();
+  command->add_option("--recording", request->recording, "Folder with recording.json")->required();
+  command->add_option("--chart", request->chart, "board.toml, as `chart print` writes it")->required();
+  command->add_option("--out", request->out, "Folder for the results")->required();
+  command->add_option("--threads", request->num_threads, "Threads; 0: one for each processor")
+      ->check(CLI::Range(0, 256))
+      ->capture_default_str();
+  command->add_flag("--json", request->json, "Prints report.json");
+  command->callback([request, &session] { session.exit_status = Seed(*request, session); });
+}
+
+}  // namespace rigcal

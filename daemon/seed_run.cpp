@@ -1,0 +1,100 @@
+#include "daemon/seed_run.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "config/atomic_file.h"
+#include "config/calibration_file.h"
+#include "config/decode_image.h"
+#include "config/recording_pictures.h"
+#include "config/seed_report.h"
+
+namespace rigcal {
+namespace {
+
+/// The recording's views that show the chart.
+std::vector<int> ChartViews(const Recording& recording) {
+  std::vector<int> views;
+  for (int v = 0; v < static_cast<int>(recording.views.size()); ++v) {
+    if (recording.views[v].subject != Subject::kObject) views.push_back(v);
+  }
+  return views;
+}
+
+SeedScene SceneOf(const ChartRecording& chart, const std::vector<int>& views) {
+  SeedScene scene{.board = chart.board};
+  for (const RecordedCamera& camera : chart.recording.cameras) {
+    scene.cameras.push_back({camera.id, camera.width_px, camera.height_px});
+  }
+  for (int v : views) {
+    scene.views.push_back({chart.recording.views[v].file, chart.recording.views[v].camera, std::nullopt});
+  }
+  return scene;
+}
+
+Result<ChartDetection> DetectIn(const ChartRecording& chart, int view) {
+  const Result<cv::Mat> picture = LoadRecordedPicture(chart.folder, chart.recording, view);
+  if (!picture) return Fail(picture.error());
+  return DetectChart(GrayOf(*picture), chart.board, {.linear = chart.recording.linear});
+}
+
+/// In parallel, one picture in memory per thread; the Error is that of the first view that has one.
+Result<std::vector<ChartDetection>> DetectCharts(const ChartRecording& chart, const std::vector<int>& views,
+                                                 const Execution& execution) {
+  std::vector<std::optional<Result<ChartDetection>>> found(views.size());
+  const bool finished =
+      ParallelFor(execution, static_cast<int>(views.size()), [&](int i) { found[i] = DetectIn(chart, views[i]); });
+  if (!finished) return Cancelled("looking for the chart");
+  std::vector<ChartDetection> detections;
+  for (std::optional<Result<ChartDetection>>& detection : found) {
+    if (!*detection) return Fail((*detection).error());
+    detections.push_back(**std::move(detection));
+  }
+  return detections;
+}
+
+/// Without a corner anywhere, what is wrong with the first picture that says so is the reason for all.
+Result<void> CheckSeen(const ChartRecording& chart, const SeedScene& scene,
+                       const std::vector<ChartDetection>& detections) {
+  if (std::ranges::any_of(detections, [](const ChartDetection& d) { return !d.corners.empty(); })) return {};
+  for (std::size_t v = 0; v < detections.size(); ++v) {
+    for (const ChartFinding& finding : detections[v].findings) {
+      return Fail(ErrorCode::kBadInput, "{}: none of {} pictures shows the chart; '{}': {}", chart.folder.string(),
+                  detections.size(), scene.views[v].name, finding.message);
+    }
+  }
+  return Fail(ErrorCode::kBadInput, "{}: none of {} pictures shows the chart", chart.folder.string(),
+              detections.size());
+}
+
+}  // namespace
+
+Result<SeededRig> SeedRig(const ChartRecording& chart, RunContext& context) {
+  const std::vector<int> views = ChartViews(chart.recording);
+  if (views.empty()) {
+    return Fail(ErrorCode::kBadInput, "{}: none of its {} pictures is one of the chart", chart.folder.string(),
+                chart.recording.views.size());
+  }
+  SeededRig rig{.scene = SceneOf(chart, views)};
+  Result<std::vector<ChartDetection>> detections =
+      context.Time("detect", -1, [&](const Execution& execution) { return DetectCharts(chart, views, execution); });
+  if (!detections) return Fail(detections.error());
+  if (auto seen = CheckSeen(chart, rig.scene, *detections); !seen) return Fail(seen.error());
+  for (int v = 0; v < static_cast<int>(views.size()); ++v) rig.scene.sightings.push_back({v, (*detections)[v].corners});
+
+  Result<SeedResult> seed = context.Time(
+      "seed", -1, [&](const Execution& execution) { return SeedCameras(rig.scene, SeedOptions{}, execution); });
+  if (!seed) return Fail(seed.error());
+  rig.detections = std::move(*detections);
+  rig.seed = std::move(*seed);
+  return rig;
+}
+
+Result<void> WriteSeedOutput(const SeededRig& rig, const Provenance& provenance, const std::filesystem::path& folder) {
+  if (auto written = WriteCalibration(folder / "calibration.json", rig.seed.calibration, provenance); !written) {
+    return written;
+  }
+  return WriteFileAtomically(folder / "report.json", SeedReportText(rig.scene, rig.detections, rig.seed));
+}
+
+}  // namespace rigcal

@@ -1,0 +1,53 @@
+#include "config/seed_report.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/config/schema_check.h"
+
+namespace rigcal {
+namespace {
+
+SeedScene ExampleScene() {
+  SeedScene scene;
+  scene.cameras = {{"left", 640, 480}};
+  scene.views = {{"a.png", 0, std::nullopt}, {"b.png", 0, std::nullopt}};
+  return scene;
+}
+
+std::vector<ChartDetection> ExampleDetections() {
+  std::vector<ChartDetection> detections(2);
+  detections[0].num_tags = 1;
+  detections[0].corners = {{.tag_id = 3, .corner = 1, .x_px = {10, 20}}};
+  detections[1].findings = {{ChartFindingKind::kNothingSeen, "no tag of the board is seen", true}};
+  return detections;
+}
+
+SeedResult ExampleSeed() {
+  SeedResult seed;
+  seed.calibration.cameras = {{.id = "left", .width_px = 640, .height_px = 480, .fx_px = 600, .fy_px = 601}};
+  seed.report.cameras = {{.num_views = 1, .num_corners = 4, .rms_px = 0.2, .noise_scale = 1.5}};
+  seed.report.view_rms_px = {0.2, 0};
+  seed.report.advice = {"tilt the board"};
+  return seed;
+}
+
+TEST(SeedReportText, FitsItsSchema) {
+  EXPECT_EQ(
+      SchemaComplaints("seed_report.schema.json", SeedReportText(ExampleScene(), ExampleDetections(), ExampleSeed())),
+      "");
+}
+
+TEST(SeedReportText, SaysNullForWhatIsNotKnown) {
+  SeedResult seed = ExampleSeed();
+  seed.report.rms_px = std::nan("");
+  const std::string text = SeedReportText(ExampleScene(), ExampleDetections(), seed);
+  EXPECT_THAT(text, ::testing::HasSubstr("\"rms_px\": null"));
+  EXPECT_EQ(SchemaComplaints("seed_report.schema.json", text), "");
+}
+
+TEST(SeedSummaryText, SaysWhatToShowNext) {
+  EXPECT_THAT(SeedSummaryText(ExampleSeed()), ::testing::HasSubstr("tilt the board"));
+}
+
+}  // namespace
+}  // namespace rigcal
