@@ -108,19 +108,11 @@ Result<void> FillInSizes(const std::vector<LoadedView>& views, RigCalibration& c
 Result<std::vector<LoadedView>> LoadViews(const std::filesystem::path& folder, const RigCalibration& calibration,
                                           const std::vector<std::filesystem::path>& masks, const ImageOptions& options,
                                           const Execution& execution) {
-  std::vector<std::optional<Result<LoadedView>>> results(calibration.views.size());
-  const bool finished = ParallelFor(execution, calibration.NumViews(), [&](int v) {
+  return ParallelResults<LoadedView>(execution, calibration.NumViews(), "loading the images", [&](int v) {
     const View& view = calibration.views[v];
     const auto mask = masks.empty() ? std::nullopt : std::optional(masks[v]);
-    results[v] = LoadView(folder / view.name, view, calibration.CameraOf(v), mask, options);
+    return LoadView(folder / view.name, view, calibration.CameraOf(v), mask, options);
   });
-  if (!finished) return Cancelled("loading the images");
-  std::vector<LoadedView> views;
-  for (std::optional<Result<LoadedView>>& result : results) {
-    if (!*result) return Fail((*result).error());
-    views.push_back(**std::move(result));
-  }
-  return views;
 }
 
 double ObjectShare(const cv::Mat1b& mask) {

@@ -38,21 +38,6 @@ Result<ChartDetection> DetectIn(const ChartRecording& chart, int view) {
   return DetectChart(GrayOf(*picture), chart.board, {.linear = chart.recording.linear});
 }
 
-/// In parallel, one picture in memory per thread; the Error is that of the first view that has one.
-Result<std::vector<ChartDetection>> DetectCharts(const ChartRecording& chart, const std::vector<int>& views,
-                                                 const Execution& execution) {
-  std::vector<std::optional<Result<ChartDetection>>> found(views.size());
-  const bool finished =
-      ParallelFor(execution, static_cast<int>(views.size()), [&](int i) { found[i] = DetectIn(chart, views[i]); });
-  if (!finished) return Cancelled("looking for the chart");
-  std::vector<ChartDetection> detections;
-  for (std::optional<Result<ChartDetection>>& detection : found) {
-    if (!*detection) return Fail((*detection).error());
-    detections.push_back(**std::move(detection));
-  }
-  return detections;
-}
-
 /// Without a corner anywhere, what is wrong with the first picture that says so is the reason for all.
 Result<void> CheckSeen(const ChartRecording& chart, const SeedScene& scene,
                        const std::vector<ChartDetection>& detections) {
@@ -76,8 +61,10 @@ Result<SeededRig> SeedRig(const ChartRecording& chart, RunContext& context) {
                 chart.recording.views.size());
   }
   SeededRig rig{.scene = SceneOf(chart, views)};
-  Result<std::vector<ChartDetection>> detections =
-      context.Time("detect", -1, [&](const Execution& execution) { return DetectCharts(chart, views, execution); });
+  Result<std::vector<ChartDetection>> detections = context.Time("detect", -1, [&](const Execution& execution) {
+    return ParallelResults<ChartDetection>(execution, static_cast<int>(views.size()), "looking for the chart",
+                                           [&](int i) { return DetectIn(chart, views[i]); });
+  });
   if (!detections) return Fail(detections.error());
   if (auto seen = CheckSeen(chart, rig.scene, *detections); !seen) return Fail(seen.error());
   for (int v = 0; v < static_cast<int>(views.size()); ++v) rig.scene.sightings.push_back({v, (*detections)[v].corners});

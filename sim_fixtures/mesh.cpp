@@ -12,14 +12,7 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-/// body(i) for i in [0, count), many to a task.
-template <typename Body>
-void ForRanges(const Execution& execution, int count, const Body& body) {
-  constexpr int kPerTask = 4096;
-  ParallelFor(execution, (count + kPerTask - 1) / kPerTask, [&](int task) {
-    for (int i = task * kPerTask; i < std::min(count, (task + 1) * kPerTask); ++i) body(i);
-  });
-}
+constexpr int kPerTask = 4096;  ///< corners or vertices
 
 /// Samples of a shape at the corners of a regular grid, in those blocks only that may hold surface.
 class DistanceGrid {
@@ -72,9 +65,12 @@ class DistanceGrid {
         wanted.push_back(corner);
       }
     }
-    ForRanges(execution, static_cast<int>(wanted.size()), [&](int i) {
-      values_[Index(wanted[i])] = static_cast<float>(shape.distance_m(Place(wanted[i].cast<double>())));
-    });
+    ParallelFor(
+        execution, static_cast<int>(wanted.size()),
+        [&](int i) {
+          values_[Index(wanted[i])] = static_cast<float>(shape.distance_m(Place(wanted[i].cast<double>())));
+        },
+        kPerTask);
   }
 
   Vector3d origin_;
@@ -121,7 +117,7 @@ Vector3d Gradient(const Shape& shape, const Vector3d& x, double step_m) {
 void Polish(const Shape& shape, double cell_m, TriangleMesh& mesh, const Execution& execution) {
   const int count = static_cast<int>(mesh.vertices_in_world.size());
   mesh.normals_in_world.resize(count, Eigen::Vector3f::UnitZ());
-  ForRanges(execution, count, [&](int i) {
+  const auto polish = [&](int i) {
     Vector3d x = mesh.vertices_in_world[i].cast<double>();
     const Vector3d gradient = Gradient(shape, x, 0.5 * cell_m);
     if (!(gradient.squaredNorm() > 0.01)) return;  // the medial axis of a part as thin as a cell
@@ -129,7 +125,8 @@ void Polish(const Shape& shape, double cell_m, TriangleMesh& mesh, const Executi
     x += move * std::min(1.0, 0.5 * cell_m / std::max(move.norm(), 1e-12));
     mesh.vertices_in_world[i] = x.cast<float>();
     mesh.normals_in_world[i] = gradient.normalized().cast<float>();
-  });
+  };
+  ParallelFor(execution, count, polish, kPerTask);
 }
 
 }  // namespace

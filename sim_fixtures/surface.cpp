@@ -95,15 +95,13 @@ std::vector<VisiblePoint> SurfacePoints(const Studio& studio, int count, int min
 std::vector<double> DistancesToSurface_px(const Studio& studio, const std::vector<Vector3d>& points_in_world,
                                           const Execution& execution) {
   constexpr int kPerTask = 256;
-  const int count = static_cast<int>(points_in_world.size());
   std::vector<double> distances_px(points_in_world.size());
-  const bool done = ParallelFor(execution, (count + kPerTask - 1) / kPerTask, [&](int task) {
-    for (int i = task * kPerTask; i < std::min(count, (task + 1) * kPerTask); ++i) {
-      const auto nearest = studio.rays.Nearest(points_in_world[i], kFarthest_m);
-      const double distance_m = nearest ? (*nearest - points_in_world[i]).norm() : kFarthest_m;
-      distances_px[i] = distance_m * PixelsPerMetre(studio.truth, points_in_world[i]);
-    }
-  });
+  const auto measure = [&](int i) {
+    const auto nearest = studio.rays.Nearest(points_in_world[i], kFarthest_m);
+    const double distance_m = nearest ? (*nearest - points_in_world[i]).norm() : kFarthest_m;
+    distances_px[i] = distance_m * PixelsPerMetre(studio.truth, points_in_world[i]);
+  };
+  const bool done = ParallelFor(execution, static_cast<int>(points_in_world.size()), measure, kPerTask);
   return done ? distances_px : std::vector<double>();
 }
 

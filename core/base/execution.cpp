@@ -10,7 +10,8 @@
 
 namespace rigcal {
 
-bool ParallelFor(const Execution& execution, int count, const std::function<void(int)>& body) {
+bool ParallelFor(const Execution& execution, int count, const std::function<void(int)>& body, int grain) {
+  Ensure(grain >= 1, "a thread takes an index at a time");
   if (execution.num_threads <= 1) {
     for (int i = 0; i < count; ++i) {
       if (execution.Stopped()) return false;
@@ -25,7 +26,7 @@ bool ParallelFor(const Execution& execution, int count, const std::function<void
   std::atomic<int> num_done = 0;
   arena.execute([&] {
     tbb::parallel_for(
-        tbb::blocked_range<int>(0, count, 1),
+        tbb::blocked_range<int>(0, count, static_cast<std::size_t>(grain)),
         [&](const tbb::blocked_range<int>& range) {
           for (int i = range.begin(); i < range.end(); ++i) {
             if (execution.Stopped()) return;

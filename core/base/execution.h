@@ -1,8 +1,10 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <stop_token>
 #include <string_view>
+#include <vector>
 
 #include "core/base/result.h"
 
@@ -29,8 +31,23 @@ struct Execution {
 
 /// Calls body(i) for i in [0, count) on at most execution.num_threads threads (oneTBB); polls the stop token before
 /// each call and returns false when it was set. The order of the calls is not fixed: body(i) must write to places of
-/// its own index only, so that the result does not depend on the number of threads. An exception of body reaches the
-/// caller.
-bool ParallelFor(const Execution& execution, int count, const std::function<void(int)>& body);
+/// its own index only, so that the result does not depend on the number of threads. A thread takes up to `grain`
+/// indices at a time: more than one where a call is short. An exception of body reaches the caller.
+bool ParallelFor(const Execution& execution, int count, const std::function<void(int)>& body, int grain = 1);
+
+/// The results of body(i) for i in [0, count), by ParallelFor. Errors: that of the first index that has one; kCancelled
+/// naming `stage`.
+template <typename T>
+Result<std::vector<T>> ParallelResults(const Execution& execution, int count, std::string_view stage,
+                                       const std::function<Result<T>(int)>& body) {
+  std::vector<std::optional<Result<T>>> results(static_cast<std::size_t>(count));
+  if (!ParallelFor(execution, count, [&](int i) { results[i] = body(i); })) return Cancelled(stage);
+  std::vector<T> values;
+  for (std::optional<Result<T>>& result : results) {
+    if (!*result) return Fail((*result).error());
+    values.push_back(**std::move(result));
+  }
+  return values;
+}
 
 }  // namespace rigcal

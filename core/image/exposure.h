@@ -13,8 +13,8 @@ inline constexpr double kSaturatedGray = 0.98;
 /// white backdrop saturates on purpose, which is why only the pixels of the object count where a mask tells them.
 inline constexpr double kMaxSaturatedShare = 0.5;
 
-/// Share of the pixels that are saturated, among those of the object. `gray` in [0, 1]; `mask`: 128 and above is
-/// object, same size; empty: the whole picture. 0 when there is no object.
+/// Share of the pixels that are saturated, among those of the object. `gray` in [0, 1]; `mask`: kMaskThreshold and
+/// above is object, same size; empty: the whole picture. 0 when there is no object.
 double SaturatedShare(const cv::Mat1f& gray, const cv::Mat1b& mask);
 
 }  // namespace rigcal

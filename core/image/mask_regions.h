@@ -5,6 +5,8 @@
 
 namespace rigcal {
 
+inline constexpr int kMaskThreshold = 128;  ///< grey value from which a mask pixel is object (docs/formats.md)
+
 /// Pixels within this share of the shorter side from the edge of a picture count as its border.
 inline constexpr double kBorderShare = 0.02;
 

@@ -145,12 +145,8 @@ std::optional<SurfacePatch> AcceptedPatch(const StereoScene& scene, const PlaneF
   if (static_cast<int>(fit.others.size()) + 1 < scene.options.min_views) return std::nullopt;
   SurfacePatch patch;
   patch.sightings.push_back({fit.plane.reference_view, Eigen::Vector2f::Zero(), 1});
-  float sum = 0;
-  for (const Sighting& s : fit.others) {
-    sum += s.ncc;
-    patch.sightings.push_back(s);
-  }
-  patch.ncc = sum / static_cast<float>(fit.others.size());
+  patch.sightings.insert(patch.sightings.end(), fit.others.begin(), fit.others.end());
+  patch.ncc = MeanNcc(patch.sightings);
   // Free offsets leave the depth to their prior, which is as wide as the cameras' errors.
   const double max_sigma_px = kMaxSigmaPx + scene.views[fit.plane.reference_view].error_px;
   if (patch.ncc < scene.options.min_ncc || fit.sigma_px > max_sigma_px) return std::nullopt;
@@ -166,6 +162,12 @@ std::optional<SurfacePatch> AcceptedPatch(const StereoScene& scene, const PlaneF
 }
 
 }  // namespace
+
+float MeanNcc(const std::vector<Sighting>& sightings) {
+  float sum = 0;
+  for (std::size_t i = 1; i < sightings.size(); ++i) sum += sightings[i].ncc;
+  return sightings.size() > 1 ? sum / static_cast<float>(sightings.size() - 1) : 0;
+}
 
 bool AreNeighbours(const StereoScene& scene, const SurfacePatch& a, const SurfacePatch& b) {
   const int view = a.sightings[0].view;

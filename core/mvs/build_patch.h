@@ -15,9 +15,12 @@ struct SurfacePatch {
   int v_px = 0;
   std::vector<Sighting> sightings;  ///< [0] is the reference view
   std::vector<Pixel> pixels;        ///< of each sighting: where its texture lies (inside the image), and the depth
-  float ncc = 0;                    ///< mean over the sightings without the reference
-  float sigma_px = 0;               ///< of the fit, along the ray (PlaneFit)
+  float ncc = 0;                    ///< MeanNcc() of the sightings
+  float sigma_px = 0;               ///< of the fit, along the ray (PlaneFit); with free offsets mostly their prior
 };
+
+/// Mean over the sightings without the first, the reference; 0 without others.
+float MeanNcc(const std::vector<Sighting>& sightings);
 
 /// Whether two patches continue each other: |(c - c') . n| + |(c - c') . n'| < 2 rho (PMVS paper, section 2), rho being
 /// a cell, and what wrong cameras add to it, at patch a.

@@ -109,15 +109,13 @@ bool ExpandSurface(const StereoScene& scene, std::vector<int> frontier, const Ex
       if (ListCandidates(scene, surface.patches, i, surface.cells, candidates)) next.push_back(i);
     }
     surface.cells.ClearPending();
-    const int count = static_cast<int>(candidates.size());
     std::vector<std::optional<SurfacePatch>> grown(candidates.size());
-    const bool finished = ParallelFor(execution, (count + kCandidatesPerTask - 1) / kCandidatesPerTask, [&](int task) {
-      for (int i = task * kCandidatesPerTask; i < std::min(count, (task + 1) * kCandidatesPerTask); ++i) {
-        grown[i] = BuildPatch(scene, candidates[i].plane, candidates[i].hints);
-        // One that left its parent's surface is a start of something else, mostly of nothing.
-        if (grown[i] && !AreNeighbours(scene, *grown[i], surface.patches[candidates[i].parent])) grown[i].reset();
-      }
-    });
+    const auto grow = [&](int i) {
+      grown[i] = BuildPatch(scene, candidates[i].plane, candidates[i].hints);
+      // One that left its parent's surface is a start of something else, mostly of nothing.
+      if (grown[i] && !AreNeighbours(scene, *grown[i], surface.patches[candidates[i].parent])) grown[i].reset();
+    };
+    const bool finished = ParallelFor(execution, static_cast<int>(candidates.size()), grow, kCandidatesPerTask);
     if (!finished) return false;
     for (std::size_t i = 0; i < candidates.size(); ++i) {
       if (!grown[i] || surface.cells.IsFilled(candidates[i].plane.reference_view, candidates[i].cell)) continue;

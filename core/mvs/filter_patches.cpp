@@ -15,7 +15,7 @@ constexpr int kMinNeighbours = 3;
 constexpr double kMaxDistancePx = 1.0;
 constexpr int kMinGroup = 12;  ///< patches of a connected piece of surface at least
 constexpr int kReach = 2;      ///< cells around a patch in which its neighbours are looked for
-constexpr int kFilterBlock = 64;
+constexpr int kPatchesPerTask = 64;
 
 struct Judge {
   const StereoScene& scene;
@@ -32,9 +32,7 @@ void KeepSightings(const std::vector<char>& hidden, SurfacePatch& patch) {
     ++next;
   }
   patch.sightings.resize(next), patch.pixels.resize(next);
-  float sum = 0;
-  for (std::size_t i = 1; i < next; ++i) sum += patch.sightings[i].ncc;
-  patch.ncc = next > 1 ? sum / static_cast<float>(next - 1) : 0;
+  patch.ncc = MeanNcc(patch.sightings);
 }
 
 /// Which of a patch's sightings lie behind another surface.
@@ -54,13 +52,10 @@ std::vector<char> HiddenSightings(const Judge& judge, const SurfacePatch& patch)
 bool DropHidden(const StereoScene& scene, const Execution& execution, std::vector<SurfacePatch>& patches) {
   const CellIndex index(scene, patches);
   const Judge judge{scene, patches, index};
-  const int count = static_cast<int>(patches.size());
   std::vector<std::vector<char>> hidden(patches.size());
-  const bool finished = ParallelFor(execution, (count + kFilterBlock - 1) / kFilterBlock, [&](int block) {
-    for (int i = block * kFilterBlock; i < std::min(count, (block + 1) * kFilterBlock); ++i) {
-      hidden[i] = HiddenSightings(judge, patches[i]);
-    }
-  });
+  const bool finished = ParallelFor(
+      execution, static_cast<int>(patches.size()), [&](int i) { hidden[i] = HiddenSightings(judge, patches[i]); },
+      kPatchesPerTask);
   if (!finished) return false;
   for (std::size_t i = 0; i < patches.size(); ++i) KeepSightings(hidden[i], patches[i]);
   std::erase_if(patches, [&scene](const SurfacePatch& patch) {
@@ -100,7 +95,7 @@ bool IsSupported(const Judge& judge, const SurfacePatch& patch) {
 /// Whether it lies on the surface that the others around lie on.
 bool IsSmooth(const Judge& judge, const SurfacePatch& patch) {
   const int index = static_cast<int>(&patch - judge.patches.data());
-  const std::optional<LocalSurface> surface = FitLocalSurface(judge.scene, judge.patches, judge.index, patch, index);
+  const std::optional<LocalSurface> surface = FitLocalSurface(judge.scene, judge.patches, judge.index, index);
   return surface && std::abs(surface->value_px) < kMaxDistancePx + judge.scene.views[patch.sightings[0].view].error_px;
 }
 
@@ -108,13 +103,10 @@ bool Keep(const StereoScene& scene, const Execution& execution, std::vector<Surf
           bool (*passes)(const Judge&, const SurfacePatch&)) {
   const CellIndex index(scene, patches);
   const Judge judge{scene, patches, index};
-  const int count = static_cast<int>(patches.size());
   std::vector<char> kept(patches.size());
-  const bool finished = ParallelFor(execution, (count + kFilterBlock - 1) / kFilterBlock, [&](int block) {
-    for (int i = block * kFilterBlock; i < std::min(count, (block + 1) * kFilterBlock); ++i) {
-      kept[i] = passes(judge, patches[i]);
-    }
-  });
+  const bool finished = ParallelFor(
+      execution, static_cast<int>(patches.size()), [&](int i) { kept[i] = passes(judge, patches[i]); },
+      kPatchesPerTask);
   if (!finished) return false;
   std::size_t next = 0;
   for (std::size_t i = 0; i < patches.size(); ++i) {

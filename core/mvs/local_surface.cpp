@@ -19,6 +19,7 @@ constexpr int kRobustIterations = 4;
 /// of good patches.
 constexpr double kFirstScalePx = 4, kLastScalePx = 0.5;
 constexpr int kPatchesPerTask = 64;
+constexpr int kNone = -1;  ///< no patch is left out
 
 using Coefficients = Eigen::Matrix<double, 6, 1>;
 
@@ -124,43 +125,55 @@ std::optional<LocalSurface> FitSurface(const StereoScene& scene, const std::vect
 std::optional<LocalSurface> SurfaceAround(const StereoScene& scene, const std::vector<SurfacePatch>& patches,
                                           const CellIndex& index, const SurfacePatch& patch) {
   if (patch.sigma_px >= kNoisyPx) {
-    if (auto far = FitSurface(scene, patches, index, patch, -1, kFarReachInWindows)) return far;
+    if (auto far = FitSurface(scene, patches, index, patch, kNone, kFarReachInWindows)) return far;
   }
-  return FitSurface(scene, patches, index, patch, -1, kReachInWindows);
+  return FitSurface(scene, patches, index, patch, kNone, kReachInWindows);
+}
+
+struct Place {
+  Eigen::Vector3d centre_in_world, normal_in_world;
+};
+
+/// Where the surface lies at the patch, less what a flat window gets wrong (SmoothPatches).
+std::optional<Place> PlaceOn(const StereoScene& scene, const LocalSurface& surface, const SurfacePatch& patch) {
+  const int half = scene.options.window_px / 2;
+  const double mean_square = half * (half + 1) / 3.0;
+  const int view = patch.sightings[0].view;
+  const StereoView& camera = scene.views[view];
+  const std::optional<Pixel> pixel = scene.Project(view, patch.centre_in_world);
+  const double depth_px = surface.value_px - 0.5 * mean_square * surface.curvature_per_px.trace();
+  const double w = (1 + depth_px / camera.focal_px) / pixel->depth;
+  if (!(w > 0)) return std::nullopt;
+  const Eigen::Vector2d by_px = surface.slope / (camera.focal_px * pixel->depth);
+  WindowPlane plane{view, 0, 0, {}};
+  // Referred to pixel (0, 0), where NormalInWorld takes it from.
+  plane.inverse_depth << w - by_px.dot(pixel->x_px), by_px;
+  return Place{camera.centre_in_world + camera.direction_from_px * pixel->x_px.homogeneous() / w,
+               NormalInWorld(scene, plane)};
 }
 
 }  // namespace
 
 std::optional<LocalSurface> FitLocalSurface(const StereoScene& scene, const std::vector<SurfacePatch>& patches,
-                                            const CellIndex& index, const SurfacePatch& patch, int leave_out) {
-  return FitSurface(scene, patches, index, patch, leave_out, kReachInWindows);
+                                            const CellIndex& index, int patch) {
+  return FitSurface(scene, patches, index, patches[patch], patch, kReachInWindows);
 }
 
 bool SmoothPatches(const StereoScene& scene, const Execution& execution, std::vector<SurfacePatch>& patches) {
   const CellIndex index(scene, patches);
-  const int count = static_cast<int>(patches.size());
-  const int half = scene.options.window_px / 2;
-  const double mean_square = half * (half + 1) / 3.0;
-  std::vector<SurfacePatch> smooth = patches;
-  const bool finished = ParallelFor(execution, (count + kPatchesPerTask - 1) / kPatchesPerTask, [&](int task) {
-    for (int i = task * kPatchesPerTask; i < std::min(count, (task + 1) * kPatchesPerTask); ++i) {
-      const std::optional<LocalSurface> surface = SurfaceAround(scene, patches, index, patches[i]);
-      if (!surface) continue;
-      const int view = patches[i].sightings[0].view;
-      const StereoView& camera = scene.views[view];
-      const std::optional<Pixel> pixel = scene.Project(view, patches[i].centre_in_world);
-      const double depth_px = surface->value_px - 0.5 * mean_square * surface->curvature_per_px.trace();
-      WindowPlane plane{view, 0, 0, {}};
-      const double w = (1 + depth_px / camera.focal_px) / pixel->depth;
-      const Eigen::Vector2d by_px = surface->slope / (camera.focal_px * pixel->depth);
-      // Referred to pixel (0, 0), where NormalInWorld takes it from.
-      plane.inverse_depth << w - by_px.dot(pixel->x_px), by_px;
-      if (!(w > 0)) continue;
-      smooth[i].centre_in_world = camera.centre_in_world + camera.direction_from_px * pixel->x_px.homogeneous() / w;
-      smooth[i].normal_in_world = NormalInWorld(scene, plane);
-    }
-  });
-  patches = std::move(smooth);
+  std::vector<std::optional<Place>> places(patches.size());
+  const bool finished = ParallelFor(
+      execution, static_cast<int>(patches.size()),
+      [&](int i) {
+        const std::optional<LocalSurface> surface = SurfaceAround(scene, patches, index, patches[i]);
+        if (surface) places[i] = PlaceOn(scene, *surface, patches[i]);
+      },
+      kPatchesPerTask);
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    if (!places[i]) continue;
+    patches[i].centre_in_world = places[i]->centre_in_world;
+    patches[i].normal_in_world = places[i]->normal_in_world;
+  }
   return finished;
 }
 

@@ -17,10 +17,10 @@ struct LocalSurface {
   int num_neighbours = 0;            ///< that agree with it
 };
 
-/// Nothing where fewer patches lie around than a quadratic needs. `leave_out` is not used (the patch itself, to judge
-/// it), or -1.
+/// From the others around patches[patch], so that it can be judged by them. Nothing where fewer patches lie around than
+/// a quadratic needs.
 std::optional<LocalSurface> FitLocalSurface(const StereoScene& scene, const std::vector<SurfacePatch>& patches,
-                                            const CellIndex& index, const SurfacePatch& patch, int leave_out);
+                                            const CellIndex& index, int patch);
 
 /// Moves every patch onto the surface that it and its neighbours lie on together, with that surface's normal. This also
 /// takes out what a flat window gets wrong on a curved surface: a plane through a window lies

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/geometry/camera.h"
+#include "core/image/mask_regions.h"
 #include "core/image/pyramid.h"
 
 namespace rigcal {
@@ -22,8 +23,6 @@ struct ViewImages {
   /// Whether a full-size pixel position lies inside the image and on the object.
   [[nodiscard]] bool IsObject(const Eigen::Vector2d& x_px) const;
 };
-
-inline constexpr int kMaskThreshold = 128;  ///< grey value from which a mask pixel is object (README)
 
 /// Same order as RigCalibration::views.
 struct ImageSet {

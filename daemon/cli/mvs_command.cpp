@@ -19,7 +19,7 @@ struct MvsArguments {
   std::filesystem::path cameras, out;
   MaskRequest masks;
   StereoOptions stereo;
-  double expected_error_px = 0;  ///< 0: one pixel of the level
+  double expected_error_px = 0;  ///< 0: the cameras are exact
   int num_threads = 1;
 };
 

@@ -13,10 +13,13 @@ namespace {
 
 TEST(ParallelFor, CallsEveryIndexOnceWithAnyNumberOfThreads) {
   for (const int threads : {1, 2, 3}) {
-    std::vector<int> calls(1000, 0);
-    EXPECT_TRUE(ParallelFor({.num_threads = threads}, 1000, [&](int i) { ++calls[i]; }));
-    EXPECT_EQ(std::accumulate(calls.begin(), calls.end(), 0), 1000);
-    EXPECT_EQ(*std::max_element(calls.begin(), calls.end()), 1);
+    for (const int grain : {1, 64, 5000}) {
+      std::vector<int> calls(1000, 0);
+      EXPECT_TRUE(ParallelFor(
+          {.num_threads = threads}, 1000, [&](int i) { ++calls[i]; }, grain));
+      EXPECT_EQ(std::accumulate(calls.begin(), calls.end(), 0), 1000);
+      EXPECT_EQ(*std::max_element(calls.begin(), calls.end()), 1);
+    }
   }
 }
 
@@ -32,6 +35,25 @@ TEST(ParallelFor, StopsWhenAsked) {
 
 TEST(ParallelFor, HandsExceptionsToTheCaller) {
   EXPECT_THROW(ParallelFor({.num_threads = 2}, 100, [](int i) { Ensure(i != 50, "fifty"); }), BrokenPromise);
+}
+
+TEST(ParallelResults, GivesAllInOrderOrTheFirstError) {
+  const auto run = [](const Execution& execution, int bad) {
+    return ParallelResults<int>(execution, 100, "counting", [&](int i) -> Result<int> {
+      if (i >= bad) return Fail(ErrorCode::kBadInput, "{} is bad", i);
+      return i;
+    });
+  };
+  for (const int threads : {1, 2}) {
+    const Result<std::vector<int>> good = run({.num_threads = threads}, 100), bad = run({.num_threads = threads}, 40);
+    ASSERT_TRUE(good);
+    EXPECT_EQ((*good)[99], 99);
+    ASSERT_FALSE(bad);
+    EXPECT_EQ(bad.error().message, "40 is bad");
+  }
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_EQ(run({.stop = stop.get_token()}, 100).error().code, ErrorCode::kCancelled);
 }
 
 TEST(Random, SameSeedSameNumbersOnEveryMachine) {
