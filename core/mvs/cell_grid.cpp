@@ -1,6 +1,6 @@
 #include "core/mvs/cell_grid.h"
 
-#include <algorithm>
+#include <numeric>
 
 namespace rigcal::stereo {
 
@@ -58,39 +58,39 @@ void CellGrid::ClearFilled() {
 
 CellIndex::CellIndex(const StereoScene& scene, const std::vector<SurfacePatch>& patches)
     : cell_px_(scene.options.cell_px) {
-  struct Place {
-    int view;
-    std::size_t cell;
-    Entry entry;
-  };
   for (const StereoView& view : scene.views) {
     const int columns = (view.texels.cols + cell_px_ - 1) / cell_px_,
               rows = (view.texels.rows + cell_px_ - 1) / cell_px_;
     views_.push_back({columns, rows, std::vector<int>(static_cast<std::size_t>(columns * rows) + 1), {}});
   }
-  std::vector<Place> places;
+  const auto cell_of = [&](const Cells& cells, const Pixel& pixel) {
+    const int column = static_cast<int>(pixel.x_px.x() + 0.5) / cell_px_;
+    const int row = static_cast<int>(pixel.x_px.y() + 0.5) / cell_px_;
+    return static_cast<std::size_t>(row * cells.columns + column);
+  };
+  // Counted first, so that every cell's entries go where they stay.
+  for (const SurfacePatch& patch : patches) {
+    for (std::size_t k = 0; k < patch.sightings.size(); ++k) {
+      Cells& cells = views_[patch.sightings[k].view];
+      ++cells.first[cell_of(cells, patch.pixels[k]) + 1];
+    }
+  }
+  std::vector<std::vector<int>> next;
+  for (Cells& cells : views_) {
+    std::partial_sum(cells.first.begin(), cells.first.end(), cells.first.begin());
+    cells.entries.resize(static_cast<std::size_t>(cells.first.back()));
+    next.push_back(cells.first);
+  }
   for (std::size_t i = 0; i < patches.size(); ++i) {
+    const Eigen::Vector3f normal_in_world = patches[i].normal_in_world.cast<float>();
     for (std::size_t k = 0; k < patches[i].sightings.size(); ++k) {
       const Sighting& sighting = patches[i].sightings[k];
       const Pixel& pixel = patches[i].pixels[k];
-      const int column = static_cast<int>(pixel.x_px.x() + 0.5) / cell_px_;
-      const int row = static_cast<int>(pixel.x_px.y() + 0.5) / cell_px_;
-      const std::size_t cell = static_cast<std::size_t>(row * views_[sighting.view].columns + column);
-      places.push_back(
-          {sighting.view,
-           cell,
-           {static_cast<int>(i), static_cast<float>(pixel.depth), pixel.x_px.cast<float>() - sighting.offset_px}});
-      ++views_[sighting.view].first[cell + 1];
+      Cells& cells = views_[sighting.view];
+      const auto place = static_cast<std::size_t>(next[sighting.view][cell_of(cells, pixel)]++);
+      cells.entries[place] = {static_cast<int>(i), static_cast<float>(pixel.depth),
+                              pixel.x_px.cast<float>() - sighting.offset_px, normal_in_world};
     }
-  }
-  for (Cells& cells : views_) {
-    for (std::size_t c = 1; c < cells.first.size(); ++c) cells.first[c] += cells.first[c - 1];
-    cells.entries.resize(static_cast<std::size_t>(cells.first.back()));
-  }
-  std::vector<std::vector<int>> next;
-  for (const Cells& cells : views_) next.emplace_back(cells.first);
-  for (const Place& place : places) {
-    views_[place.view].entries[static_cast<std::size_t>(next[place.view][place.cell]++)] = place.entry;
   }
 }
 

@@ -50,6 +50,7 @@ class CellIndex {
     int patch;
     float depth;                ///< in the view
     Eigen::Vector2f centre_px;  ///< projection of the patch's centre, without the sighting's offset
+    Eigen::Vector3f normal_in_world;
   };
 
   /// Calls visit(Entry) for the patches in the cells within `reach` of the one at a pixel.

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <tuple>
 
 #include "core/mvs/local_surface.h"
 #include "core/mvs/surface.h"
@@ -11,8 +12,9 @@ namespace {
 /// Least share of a patch's surrounding patches that continue its surface (PMVS paper, section 3.3: 0.25).
 constexpr double kMinNeighbourShare = 0.25;
 constexpr int kMinNeighbours = 3;
-/// Largest distance from the surface that the patches around lie on, pixels of the level.
-constexpr double kMaxDistancePx = 1.0;
+/// Largest distance from the surface that the patches around lie on, pixels of the level: what counts as far off when
+/// patches are judged. With 1.0 along the ray a third of the patches went, most of them good ones on slanted surfaces.
+constexpr double kMaxDistancePx = 2.0;
 constexpr int kMinGroup = 12;  ///< patches of a connected piece of surface at least
 constexpr int kReach = 2;      ///< cells around a patch in which its neighbours are looked for
 constexpr int kPatchesPerTask = 64;
@@ -22,6 +24,13 @@ struct Judge {
   const std::vector<SurfacePatch>& patches;
   const CellIndex& index;
 };
+
+/// What lies side by side is then side by side in memory, too: the filters ask for neighbours all the time.
+void SortByPlace(std::vector<SurfacePatch>& patches) {
+  const auto place = [](const SurfacePatch& p) { return std::tuple(p.sightings[0].view, p.v_px, p.u_px); };
+  std::stable_sort(patches.begin(), patches.end(),
+                   [&](const SurfacePatch& a, const SurfacePatch& b) { return place(a) < place(b); });
+}
 
 /// Removes the hidden ones but the reference, which counts as one that is left; the NCC is then that of the rest.
 void KeepSightings(const std::vector<char>& hidden, SurfacePatch& patch) {
@@ -59,7 +68,7 @@ bool DropHidden(const StereoScene& scene, const Execution& execution, std::vecto
   if (!finished) return false;
   for (std::size_t i = 0; i < patches.size(); ++i) KeepSightings(hidden[i], patches[i]);
   std::erase_if(patches, [&scene](const SurfacePatch& patch) {
-    return static_cast<int>(patch.sightings.size()) < scene.options.min_views;
+    return static_cast<int>(patch.sightings.size()) < scene.options.min_views || patch.ncc < scene.options.min_ncc;
   });
   return true;
 }
@@ -96,7 +105,10 @@ bool IsSupported(const Judge& judge, const SurfacePatch& patch) {
 bool IsSmooth(const Judge& judge, const SurfacePatch& patch) {
   const int index = static_cast<int>(&patch - judge.patches.data());
   const std::optional<LocalSurface> surface = FitLocalSurface(judge.scene, judge.patches, judge.index, index);
-  return surface && std::abs(surface->value_px) < kMaxDistancePx + judge.scene.views[patch.sightings[0].view].error_px;
+  if (!surface) return false;
+  const double cosine = 1 / std::sqrt(1 + surface->slope.squaredNorm());  // from along the ray to across the surface
+  const double error_px = judge.scene.views[patch.sightings[0].view].error_px;
+  return cosine * std::abs(surface->value_px) < kMaxDistancePx + error_px;
 }
 
 bool Keep(const StereoScene& scene, const Execution& execution, std::vector<SurfacePatch>& patches,
@@ -153,6 +165,7 @@ void DropSmallGroups(const StereoScene& scene, std::vector<SurfacePatch>& patche
 
 std::optional<std::vector<SurfacePatch>> FilterPatches(const StereoScene& scene, std::vector<SurfacePatch> patches,
                                                        const Execution& execution) {
+  SortByPlace(patches);
   if (!DropHidden(scene, execution, patches)) return std::nullopt;
   if (!Keep(scene, execution, patches, IsBest)) return std::nullopt;
   if (!Keep(scene, execution, patches, IsSupported)) return std::nullopt;

@@ -7,13 +7,18 @@
 namespace rigcal::stereo {
 namespace {
 
-/// Neighbours are taken from this far around (window sides), and weigh by a Gaussian of half that. Overlapping windows
-/// share their noise: where there is much of it, only neighbours from farther away take it out. On 400 x 300 pixels the
-/// plaster's patches then lie 0.36 px off instead of 0.44 px, 1.9 % instead of 3.2 % of them more than 2 px.
+/// Neighbours are taken from this far around (window sides), and weigh less with the square of the distance, down to
+/// kWeightAtReach there. Overlapping windows share their noise: where there is much of it, only neighbours from farther
+/// away take it out. On 400 x 300 pixels the plaster's patches then lie 0.36 px off instead of 0.44 px, 1.9 % instead
+/// of 3.2 % of them more than 2 px.
 constexpr double kReachInWindows = 1.0, kFarReachInWindows = 2.0;
+constexpr float kWeightAtReach = 0.1f;
 /// SurfacePatch::sigma_px from which that is done: at 0.05 the textured set stays at 0.08 px, without a limit 0.09 px.
 constexpr float kNoisyPx = 0.05f;
 constexpr int kMinNeighbours = 10;  ///< a quadratic has 6 coefficients
+/// Neighbours around a noisy patch that agree with it, for each pixel of its sigma: with fewer it stays as far off as
+/// it is. On the plaster set 2 % of the patches go, and every fifth of those more than 2 px off.
+constexpr float kMinNeighboursPerPx = 120;
 constexpr int kRobustIterations = 4;
 /// Scale of the Cauchy weights, pixels: first as wide as neighbours on a steep surface differ, then down to the scatter
 /// of good patches.
@@ -40,25 +45,25 @@ Neighbour MakeNeighbour(const Eigen::Vector2f& d, float depth_px) {
   Neighbour n;
   n.monomials << 1, u, v, uu, uv, vv, uu * u, uu * v, u * vv, vv * v, uu * uu, uu * uv, uu * vv, uv * vv, vv * vv, 0;
   n.depth_px = depth_px;
-  n.weight = std::exp(-2 * (uu + vv));
+  n.weight = 1 - (1 - kWeightAtReach) * (uu + vv);
   return n;
 }
 
-std::vector<Neighbour> CollectNeighbours(const StereoScene& scene, const std::vector<SurfacePatch>& patches,
-                                         const CellIndex& index, const SurfacePatch& patch, int leave_out,
-                                         double reach_px) {
+std::vector<Neighbour> CollectNeighbours(const StereoScene& scene, const CellIndex& index, const SurfacePatch& patch,
+                                         int leave_out, double reach_px) {
   std::vector<Neighbour> neighbours;
   const int view = patch.sightings[0].view;
   const Pixel& seen = patch.pixels[0];
   const Eigen::Vector2d centre_px = seen.x_px - patch.sightings[0].offset_px.cast<double>();
   const int reach = static_cast<int>(std::ceil(reach_px / scene.options.cell_px));
   neighbours.reserve(static_cast<std::size_t>((2 * reach + 1) * (2 * reach + 1)));
+  const Eigen::Vector3f normal_in_world = patch.normal_in_world.cast<float>();
   const float focal_px = static_cast<float>(scene.views[view].focal_px), depth = static_cast<float>(seen.depth);
   index.ForNeighbours(view, centre_px, reach, [&](const CellIndex::Entry& other) {
     const Eigen::Vector2f d = (other.centre_px - centre_px.cast<float>()) / static_cast<float>(reach_px);
     if (other.patch == leave_out || d.squaredNorm() > 1) return;
     // A patch that looks the other way is another side of a thin part.
-    if (patches[other.patch].normal_in_world.dot(patch.normal_in_world) < 0) return;
+    if (other.normal_in_world.dot(normal_in_world) < 0) return;
     neighbours.push_back(MakeNeighbour(d, focal_px * (depth - other.depth) / other.depth));
   });
   return neighbours;
@@ -97,11 +102,10 @@ Eigen::Vector2d OwnSlope(const StereoScene& scene, const SurfacePatch& patch) {
   return plane->inverse_depth.tail<2>() * (scene.views[view].focal_px / plane->inverse_depth[0]);
 }
 
-std::optional<LocalSurface> FitSurface(const StereoScene& scene, const std::vector<SurfacePatch>& patches,
-                                       const CellIndex& index, const SurfacePatch& patch, int leave_out,
-                                       double reach_in_windows) {
+std::optional<LocalSurface> FitSurface(const StereoScene& scene, const CellIndex& index, const SurfacePatch& patch,
+                                       int leave_out, double reach_in_windows) {
   const double reach_px = reach_in_windows * scene.options.window_px;
-  const std::vector<Neighbour> neighbours = CollectNeighbours(scene, patches, index, patch, leave_out, reach_px);
+  const std::vector<Neighbour> neighbours = CollectNeighbours(scene, index, patch, leave_out, reach_px);
   if (static_cast<int>(neighbours.size()) < kMinNeighbours) return std::nullopt;
   Coefficients c = Coefficients::Zero();
   c.segment<2>(1) = reach_px * OwnSlope(scene, patch);
@@ -122,16 +126,14 @@ std::optional<LocalSurface> FitSurface(const StereoScene& scene, const std::vect
   return surface;
 }
 
-std::optional<LocalSurface> SurfaceAround(const StereoScene& scene, const std::vector<SurfacePatch>& patches,
-                                          const CellIndex& index, const SurfacePatch& patch) {
-  if (patch.sigma_px >= kNoisyPx) {
-    if (auto far = FitSurface(scene, patches, index, patch, kNone, kFarReachInWindows)) return far;
-  }
-  return FitSurface(scene, patches, index, patch, kNone, kReachInWindows);
-}
-
 struct Place {
   Eigen::Vector3d centre_in_world, normal_in_world;
+};
+
+/// What becomes of a patch: it goes, it moves, or (without a place) it stays.
+struct Smoothed {
+  bool is_lost = false;
+  std::optional<Place> place;
 };
 
 /// Where the surface lies at the patch, less what a flat window gets wrong (SmoothPatches).
@@ -152,28 +154,42 @@ std::optional<Place> PlaceOn(const StereoScene& scene, const LocalSurface& surfa
                NormalInWorld(scene, plane)};
 }
 
+Smoothed Smooth(const StereoScene& scene, const CellIndex& index, const SurfacePatch& patch) {
+  std::optional<LocalSurface> surface;
+  if (patch.sigma_px >= kNoisyPx) {
+    surface = FitSurface(scene, index, patch, kNone, kFarReachInWindows);
+    const int agreeing = surface ? surface->num_neighbours : 0;
+    // With free offsets sigma_px is the cameras' error, which neighbours share.
+    if (!scene.free_offsets && static_cast<float>(agreeing) < kMinNeighboursPerPx * patch.sigma_px) return {true, {}};
+  }
+  if (!surface) surface = FitSurface(scene, index, patch, kNone, kReachInWindows);
+  return {false, surface ? PlaceOn(scene, *surface, patch) : std::nullopt};
+}
+
 }  // namespace
 
 std::optional<LocalSurface> FitLocalSurface(const StereoScene& scene, const std::vector<SurfacePatch>& patches,
                                             const CellIndex& index, int patch) {
-  return FitSurface(scene, patches, index, patches[patch], patch, kReachInWindows);
+  return FitSurface(scene, index, patches[patch], patch, kReachInWindows);
 }
 
 bool SmoothPatches(const StereoScene& scene, const Execution& execution, std::vector<SurfacePatch>& patches) {
   const CellIndex index(scene, patches);
-  std::vector<std::optional<Place>> places(patches.size());
+  std::vector<Smoothed> smoothed(patches.size());
   const bool finished = ParallelFor(
-      execution, static_cast<int>(patches.size()),
-      [&](int i) {
-        const std::optional<LocalSurface> surface = SurfaceAround(scene, patches, index, patches[i]);
-        if (surface) places[i] = PlaceOn(scene, *surface, patches[i]);
-      },
+      execution, static_cast<int>(patches.size()), [&](int i) { smoothed[i] = Smooth(scene, index, patches[i]); },
       kPatchesPerTask);
+  std::size_t next = 0;
   for (std::size_t i = 0; i < patches.size(); ++i) {
-    if (!places[i]) continue;
-    patches[i].centre_in_world = places[i]->centre_in_world;
-    patches[i].normal_in_world = places[i]->normal_in_world;
+    if (smoothed[i].is_lost) continue;
+    if (next != i) patches[next] = std::move(patches[i]);
+    if (const std::optional<Place>& place = smoothed[i].place) {
+      patches[next].centre_in_world = place->centre_in_world;
+      patches[next].normal_in_world = place->normal_in_world;
+    }
+    ++next;
   }
+  patches.resize(next);
   return finished;
 }
 
