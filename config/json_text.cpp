@@ -49,6 +49,10 @@ std::string JsonText(const Json& document) {
   return text + '\n';
 }
 
+Json NumberJson(double number) {
+  return std::isfinite(number) ? Json(number) : Json(nullptr);
+}
+
 Json IntrinsicsJson(const IntrinsicVector& intrinsics) {
   Json json;
   for (int i = 0; i < kNumIntrinsics; ++i) json[kIntrinsicKeys[i]] = intrinsics[i];

@@ -12,6 +12,9 @@ namespace rigcal {
 /// of insertion, every number with the digits it takes to read back the same double. All numbers must be finite.
 std::string JsonText(const nlohmann::ordered_json& document);
 
+/// A number that may not exist (an error without any track) is null in JSON.
+nlohmann::ordered_json NumberJson(double number);
+
 /// Keys of the intrinsics in every JSON file, in the order of IntrinsicIndex.
 inline constexpr std::array<const char*, kNumIntrinsics> kIntrinsicKeys = {
     "fx_px", "fy_px", "cx_px", "cy_px", "skew_px", "k1", "k2", "p1", "p2", "k3"};

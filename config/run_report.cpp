@@ -1,7 +1,5 @@
 #include "config/run_report.h"
 
-#include <cmath>
-
 #include "config/atomic_file.h"
 #include "config/json_text.h"
 
@@ -12,14 +10,9 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kVersion = 1;
 
-/// A number that may not exist (an error without any track) is null in JSON.
-Json Number(double number) {
-  return std::isfinite(number) ? Json(number) : Json(nullptr);
-}
-
 Json Numbers(const std::vector<double>& numbers) {
   Json json = Json::array();
-  for (double number : numbers) json.push_back(Number(number));
+  for (double number : numbers) json.push_back(NumberJson(number));
   return json;
 }
 
@@ -39,8 +32,8 @@ Json ReasonsJson(const std::vector<Reason>& reasons) {
   Json json = Json::array();
   for (const Reason& reason : reasons) {
     Json entry = {{"check", reason.check},
-                  {"value", Number(reason.value)},
-                  {"limit", Number(reason.limit)},
+                  {"value", NumberJson(reason.value)},
+                  {"limit", NumberJson(reason.limit)},
                   {"unit", reason.unit}};
     if (reason.view) entry["view"] = *reason.view;
     json.push_back(std::move(entry));
@@ -55,10 +48,10 @@ Json RoundsJson(const std::vector<RoundReport>& rounds) {
                     {"num_patches", round.num_patches},
                     {"num_tracks", round.num_tracks},
                     {"num_observations", round.num_observations},
-                    {"reprojection_mean_px", Number(round.reprojection_mean_px)},
-                    {"reprojection_std_px", Number(round.reprojection_std_px)},
+                    {"reprojection_mean_px", NumberJson(round.reprojection_mean_px)},
+                    {"reprojection_std_px", NumberJson(round.reprojection_std_px)},
                     {"expected_error_px", Numbers(round.expected_error_px)},
-                    {"moved_px", Number(round.moved_px)}});
+                    {"moved_px", NumberJson(round.moved_px)}});
   return json;
 }
 
@@ -74,11 +67,11 @@ Json ViewsJson(const std::vector<ViewFinding>& views) {
   for (const ViewFinding& view : views)
     json.push_back({{"name", view.name},
                     {"camera", view.camera},
-                    {"moved_px", Number(view.moved_px)},
-                    {"direction", {Number(view.direction.x()), Number(view.direction.y())}},
-                    {"sigma_px", Number(view.sigma_px)},
+                    {"moved_px", NumberJson(view.moved_px)},
+                    {"direction", {NumberJson(view.direction.x()), NumberJson(view.direction.y())}},
+                    {"sigma_px", NumberJson(view.sigma_px)},
                     {"num_features", view.num_features},
-                    {"residual_px", Number(view.residual_px)}});
+                    {"residual_px", NumberJson(view.residual_px)}});
   return json;
 }
 
@@ -99,7 +92,7 @@ Json CamerasJson(const std::vector<CameraReport>& cameras) {
 Json MasksJson(const std::vector<MaskReport>& masks) {
   Json json = Json::array();
   for (const MaskReport& mask : masks)
-    json.push_back({{"view", mask.view}, {"kind", mask.kind}, {"object_share", Number(mask.object_share)}});
+    json.push_back({{"view", mask.view}, {"kind", mask.kind}, {"object_share", NumberJson(mask.object_share)}});
   return json;
 }
 
@@ -111,13 +104,13 @@ std::string ReportText(const RunReport& report) {
   json["verdict"] = NameOf(report.validation.verdict);
   json["reasons"] = ReasonsJson(report.validation.reasons);
   json["method"] = report.method;
-  json["expected_error_px"] = Number(report.expected_error_px);
+  json["expected_error_px"] = NumberJson(report.expected_error_px);
   json["expected_error_estimated"] = report.expected_error_estimated;
   json["level"] = report.level;
   json["rounds"] = RoundsJson(report.rounds);
   json["views_per_track"] = ViewsPerTrackJson(report.views_per_track);
-  json["holdout"] = {{"before_px", Number(holdout.before_px)},
-                     {"after_px", Number(holdout.after_px)},
+  json["holdout"] = {{"before_px", NumberJson(holdout.before_px)},
+                     {"after_px", NumberJson(holdout.after_px)},
                      {"num_tracks", holdout.num_tracks}};
   json["views"] = ViewsJson(report.validation.views);
   json["cameras"] = CamerasJson(report.cameras);
@@ -131,12 +124,12 @@ std::string TimingText(const RunTiming& timing) {
   for (const StageTime& stage : timing.stages) {
     Json entry = {{"stage", stage.stage}};
     if (stage.round >= 0) entry["round"] = stage.round;
-    entry["seconds"] = Number(stage.wall_s);
+    entry["seconds"] = NumberJson(stage.wall_s);
     stages.push_back(std::move(entry));
   }
   return JsonText({{"format", "rigcal timing"},
                    {"version", kVersion},
-                   {"total_seconds", Number(timing.total_wall_s)},
+                   {"total_seconds", NumberJson(timing.total_wall_s)},
                    {"stages", std::move(stages)}});
 }
 

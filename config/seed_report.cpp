@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <numbers>
 
 #include "config/json_text.h"
@@ -15,10 +14,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kVersion = 1;
 constexpr double kDegPerRad = 180 / std::numbers::pi;
-
-Json Number(double number) {
-  return std::isfinite(number) ? Json(number) : Json(nullptr);
-}
 
 IntrinsicVector SigmaOf(const RigCalibration& calibration, int camera) {
   if (!calibration.covariance) return IntrinsicVector::Zero();
@@ -37,13 +32,13 @@ Json CamerasJson(const SeedResult& seed) {
     entry.update({{"num_views", report.num_views},
                   {"num_corners", report.num_corners},
                   {"num_outliers", report.num_outliers},
-                  {"rms_px", Number(report.rms_px)},
-                  {"noise_scale", Number(report.noise_scale)},
+                  {"rms_px", NumberJson(report.rms_px)},
+                  {"noise_scale", NumberJson(report.noise_scale)},
                   {"uses_k3", report.uses_k3},
-                  {"k3_gain", Number(report.k3_gain)},
-                  {"k3_cost", Number(report.k3_cost)},
-                  {"coverage", Number(report.coverage)},
-                  {"max_tilt_deg", Number(report.max_tilt_rad * kDegPerRad)}});
+                  {"k3_gain", NumberJson(report.k3_gain)},
+                  {"k3_cost", NumberJson(report.k3_cost)},
+                  {"coverage", NumberJson(report.coverage)},
+                  {"max_tilt_deg", NumberJson(report.max_tilt_rad * kDegPerRad)}});
     json.push_back(std::move(entry));
   }
   return json;
@@ -59,8 +54,8 @@ Json ViewsJson(const SeedScene& scene, const std::vector<ChartDetection>& detect
                     {"num_tags", detections[v].num_tags},
                     {"num_predicted_tags", detections[v].num_predicted},
                     {"num_corners", detections[v].corners.size()},
-                    {"blur_px", Number(detections[v].blur_px)},
-                    {"rms_px", Number(report.view_rms_px[v])},
+                    {"blur_px", NumberJson(detections[v].blur_px)},
+                    {"rms_px", NumberJson(report.view_rms_px[v])},
                     {"findings", std::move(findings)}});
   }
   return json;
@@ -68,12 +63,13 @@ Json ViewsJson(const SeedScene& scene, const std::vector<ChartDetection>& detect
 
 Json BoardJson(const SeedResult& seed) {
   const BoardShape &shape = seed.board_shape, &sigma = seed.board_shape_sigma;
-  return {
-      {"bow_x_m", shape.bow_x_m},
-      {"bow_y_m", shape.bow_y_m},
-      {"stretch", shape.stretch},
-      {"sigma",
-       {{"bow_x_m", Number(sigma.bow_x_m)}, {"bow_y_m", Number(sigma.bow_y_m)}, {"stretch", Number(sigma.stretch)}}}};
+  return {{"bow_x_m", shape.bow_x_m},
+          {"bow_y_m", shape.bow_y_m},
+          {"stretch", shape.stretch},
+          {"sigma",
+           {{"bow_x_m", NumberJson(sigma.bow_x_m)},
+            {"bow_y_m", NumberJson(sigma.bow_y_m)},
+            {"stretch", NumberJson(sigma.stretch)}}}};
 }
 
 }  // namespace
@@ -83,7 +79,7 @@ std::string SeedReportText(const SeedScene& scene, const std::vector<ChartDetect
   Ensure(detections.size() == scene.views.size(), "there is one detection per view");
   const Json json = {{"format", "rigcal seed report"},
                      {"version", kVersion},
-                     {"rms_px", Number(seed.report.rms_px)},
+                     {"rms_px", NumberJson(seed.report.rms_px)},
                      {"cameras", CamerasJson(seed)},
                      {"views", ViewsJson(scene, detections, seed.report)},
                      {"board", BoardJson(seed)},

@@ -47,7 +47,7 @@ Result<RefinedRig> RefineRig(const ImageSet& images, const RigCalibration& seed,
 
   while (!Converged(*state, options)) {
     Result<std::vector<Patch>> patches = context.Time("stereo", state->round, [&](const Execution& execution) {
-      return Reconstruct(images, state->calibration, StereoOptionsFor(images, *state), execution);
+      return Reconstruct(images, state->calibration, StereoOptionsFor(*state), execution);
     });
     if (!patches) return Fail(patches.error());
 
@@ -91,7 +91,7 @@ Result<RefinedRig> ValidateRig(const ImageSet& images, const RigCalibration& cam
   Result<RefineState> state = BeginRefinement(images, cameras, options, context, rig.report);
   if (!state) return Fail(state.error());
   Result<std::vector<Patch>> patches = context.Time("stereo", -1, [&](const Execution& execution) {
-    return Reconstruct(images, cameras, StereoOptionsFor(images, *state), execution);
+    return Reconstruct(images, cameras, StereoOptionsFor(*state), execution);
   });
   if (!patches) return Fail(patches.error());
   Result<TrackSet> tracks = context.Time("match", -1, [&](const Execution& execution) {

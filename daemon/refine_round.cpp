@@ -82,6 +82,16 @@ void Advance(RefineState& state, const Adjustment& adjustment, const ImageSet& i
   ++state.round;
 }
 
+/// With fixed cameras the others alone count: they were fixed because they are right.
+double ExpectedErrorFrom(const ExpectedErrorEstimate& estimate, const std::vector<bool>& fixed_views) {
+  if (fixed_views.empty()) return estimate.overall_px;
+  double largest_px = 0;
+  for (std::size_t v = 0; v < fixed_views.size(); ++v) {
+    if (!fixed_views[v]) largest_px = std::max(largest_px, estimate.per_view_px[v]);
+  }
+  return largest_px;
+}
+
 }  // namespace
 
 Result<RefineState> BeginRefinement(const ImageSet& images, const RigCalibration& seed, const RefineOptions& options,
@@ -94,9 +104,9 @@ Result<RefineState> BeginRefinement(const ImageSet& images, const RigCalibration
     const auto estimate = context.Time(
         "estimate", -1, [&](const Execution& execution) { return EstimateExpectedError(images, seed, execution); });
     if (!estimate) return Fail(estimate.error());
-    state.initial_error_px = estimate->overall_px;
+    state.initial_error_px = ExpectedErrorFrom(*estimate, options.fixed_views);
     report.notes.push_back(fmt::format("expected error estimated from {} feature matches: {:.2f} px",
-                                       estimate->num_matches, estimate->overall_px));
+                                       estimate->num_matches, state.initial_error_px));
   }
   state.expected_error_px.assign(seed.views.size(), state.initial_error_px);
   state.level = LevelFor(images, state.expected_error_px, options.method);
@@ -107,7 +117,7 @@ Result<RefineState> BeginRefinement(const ImageSet& images, const RigCalibration
   return state;
 }
 
-StereoOptions StereoOptionsFor(const ImageSet& /*images*/, const RefineState& state) {
+StereoOptions StereoOptionsFor(const RefineState& state) {
   StereoOptions stereo;
   stereo.level = state.level;
   stereo.expected_error_px = state.expected_error_px;

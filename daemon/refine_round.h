@@ -25,7 +25,7 @@ Result<RefineState> BeginRefinement(const ImageSet& images, const RigCalibration
                                     RunContext& context, RunReport& report);
 
 /// The options of each stage in the round at hand.
-StereoOptions StereoOptionsFor(const ImageSet& images, const RefineState& state);
+StereoOptions StereoOptionsFor(const RefineState& state);
 MatchOptions MatchOptionsFor(const RefineState& state, const RefineOptions& options);
 AdjustOptions AdjustOptionsFor(const RefineState& state, const RigCalibration& seed, const RefineOptions& options);
 

@@ -1,12 +1,11 @@
 #include "core/adjust/bundle.h"
 
-#include <ceres/ceres.h>
-
 #include <algorithm>
 #include <map>
 #include <memory>
 
 #include "core/rig/residuals.h"
+#include "core/rig/solver.h"
 
 namespace rigcal {
 namespace {
@@ -14,21 +13,8 @@ namespace {
 /// Up to this many views the reduced camera system is solved as a dense matrix (6 * 100 rows: 3 MB).
 constexpr int kMaxDenseViews = 100;
 
-class StopCallback : public ceres::IterationCallback {
- public:
-  explicit StopCallback(const Execution& execution) : execution_(execution) {}
-  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
-    return execution_.Stopped() ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
-  }
-
- private:
-  const Execution& execution_;
-};
-
 ceres::Problem::Options ProblemOptions() {
-  ceres::Problem::Options options;
-  options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::Problem::Options options = SharingProblemOptions();
   options.disable_all_safety_checks = true;  // they cost as much as the rest of the set-up
   return options;
 }

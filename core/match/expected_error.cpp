@@ -25,6 +25,10 @@ constexpr double kMinExpectedErrorPx = 1.0;
 /// 12 px: 1.0 to 1.4 times the truth when all views share one error of the intrinsics, 1.6 to 1.9 times otherwise.
 constexpr double kConservative = 1.6;
 
+/// A view this many times worse than all together was moved by itself (a bumped camera), and searches must reach it.
+/// When all views are off alike the worst one has 1.4 to 2 times as much (400 x 300, plaster, 6 and 12 px).
+constexpr double kBumpedRatio = 2.5;
+
 /// One observation's distance from its track's point, blown up by what the point's three unknowns have swallowed: of
 /// 2 n numbers 2 n - 3 are left.
 struct Residual {
@@ -78,10 +82,14 @@ ExpectedErrorEstimate Summarise(const std::vector<Residual>& residuals, int num_
     per_view[r.view].push_back(r.px);
   }
   const auto conservative = [](double rms_px) { return std::max(kMinExpectedErrorPx, kConservative * rms_px); };
-  estimate.overall_px = conservative(TrimmedRms(all));
+  const double typical_px = conservative(TrimmedRms(all));
+  estimate.overall_px = typical_px;
   for (const auto& of_view : per_view) {
     const bool enough = static_cast<int>(of_view.size()) >= kMinObservationsPerView;
-    estimate.per_view_px.push_back(enough ? conservative(TrimmedRms(of_view)) : estimate.overall_px);
+    estimate.per_view_px.push_back(enough ? conservative(TrimmedRms(of_view)) : std::max(typical_px, kAssumedErrorPx));
+    if (enough && estimate.per_view_px.back() > kBumpedRatio * typical_px) {
+      estimate.overall_px = std::max(estimate.overall_px, estimate.per_view_px.back());
+    }
   }
   return estimate;
 }

@@ -24,9 +24,9 @@ Result<TrackSet> MatchSparse(const ImageSet& images, const RigCalibration& calib
 /// Er from the pictures: how many full-size pixels the cameras are off, conservatively, per view and as one number,
 /// from sparse matches that no camera has gated (paper section 3.1: "conservative estimate").
 struct ExpectedErrorEstimate {
-  double overall_px = 0;
-  std::vector<double> per_view_px;
-  int num_matches = 0;  ///< observations that agree with each other, whatever the cameras say
+  double overall_px = 0;            ///< that of all views, or of one that stands out
+  std::vector<double> per_view_px;  ///< at least kAssumedErrorPx where a view has too few matches to tell
+  int num_matches = 0;              ///< observations that agree with each other, whatever the cameras say
   /// Too few matches to tell: all errors are kAssumedErrorPx.
   bool assumed = false;
 };

@@ -1,12 +1,12 @@
 #include "core/seed/chart_problem.h"
 
-#include <ceres/ceres.h>
 #include <ceres/normal_prior.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "core/rig/camera_information.h"
+#include "core/rig/solver.h"
 #include "core/seed/chart_residuals.h"
 
 namespace rigcal {
@@ -16,24 +16,6 @@ constexpr int kMaxIterations = 100;
 /// Relative decrease of the cost at which the solution counts as found: 1e-10 of some 10^4 squared sigmas is far below
 /// what moves any parameter by a hundredth of its sigma.
 constexpr double kFunctionTolerance = 1e-10;
-
-class StopCallback : public ceres::IterationCallback {
- public:
-  explicit StopCallback(const Execution& execution) : execution_(execution) {}
-  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
-    return execution_.Stopped() ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
-  }
-
- private:
-  const Execution& execution_;
-};
-
-ceres::Problem::Options ProblemOptions() {
-  ceres::Problem::Options options;
-  options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  return options;
-}
 
 Eigen::Matrix2d WhiteningOf(const ChartCorner& corner, double scale) {
   const Eigen::Matrix2d lower = corner.covariance_px2.llt().matrixL();
@@ -90,7 +72,7 @@ struct ChartProblem::Blocks {
         corner_loss(CornerLoss(losses)),
         stop_loss(losses.stop_error_cauchy > 0 ? std::make_unique<ceres::CauchyLoss>(losses.stop_error_cauchy)
                                                : nullptr),
-        problem(ProblemOptions()) {
+        problem(SharingProblemOptions()) {
     Load(state);
     for (int v = 0; v < static_cast<int>(terms.views.size()); ++v) AddCorners(v, state.rig.positioner);
     num_corner_blocks = residuals.size();

@@ -8,6 +8,7 @@
 #include "core/mvs/reconstruct.h"
 #include "daemon/cli/progress_line.h"
 #include "daemon/cli/run_request.h"
+#include "daemon/cli/threads_option.h"
 
 namespace rigcal {
 namespace {
@@ -20,7 +21,7 @@ struct MvsArguments {
   MaskRequest masks;
   StereoOptions stereo;
   double expected_error_px = 0;  ///< 0: the cameras are exact
-  int num_threads = 1;
+  int num_threads = 0;           ///< 0: one for each processor
 };
 
 Result<LoadedImages> LoadPictures(const MvsArguments& arguments, const OpenedPictures& pictures,
@@ -62,7 +63,7 @@ Result<std::size_t> MakePatches(const MvsArguments& arguments, RunContext& conte
 
 int RunMvs(const MvsArguments& arguments, const CommandSession& session) {
   ProgressLine line(session.on_terminal, MonotonicSeconds);
-  RunContext context(session.stop, arguments.num_threads, MonotonicSeconds,
+  RunContext context(session.stop, NumThreads(arguments.num_threads), MonotonicSeconds,
                      [&line](const RunProgress& progress) { line.Show(progress); });
   const Result<std::size_t> num_patches = MakePatches(arguments, context);
   line.Clear();
@@ -84,7 +85,7 @@ void AddMvsCommand(CLI::App& app, CommandSession& session) {
       ->check(CLI::Range(0, kMaxLevel));
   command->add_option("--out", arguments->out, "patches.ply to write")->required();
   AddMaskOptions(*command, arguments->masks);
-  command->add_option("--threads", arguments->num_threads, "Threads")->check(CLI::Range(1, 256))->capture_default_str();
+  AddThreadsOption(*command, arguments->num_threads);
   command->add_option("--cell", arguments->stereo.cell_px, "One patch per cell of so many pixels of the level")
       ->check(CLI::Range(1, 16))
       ->capture_default_str();

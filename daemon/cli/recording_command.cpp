@@ -2,12 +2,12 @@
 
 #include <cstdio>
 #include <memory>
-#include <thread>
 
 #include "config/recording_check.h"
 #include "config/recording_file.h"
 #include "config/recording_import.h"
 #include "daemon/cli/run_request.h"
+#include "daemon/cli/threads_option.h"
 
 namespace rigcal {
 namespace {
@@ -37,8 +37,7 @@ int RunImport(ImportArguments& arguments, const CommandSession& session) {
 }
 
 int RunCheck(const std::filesystem::path& folder, const CommandSession& session) {
-  const int num_threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  const auto findings = CheckRecording(folder, {.stop = session.stop, .num_threads = num_threads});
+  const auto findings = CheckRecording(folder, {.stop = session.stop, .num_threads = NumThreads(0)});
   if (!findings) return FailWith("recording check", findings.error());
   for (const std::string& fault : findings->faults) fmt::print("fault: {}\n", fault);
   for (const std::string& remark : findings->remarks) fmt::print("note: {}\n", remark);

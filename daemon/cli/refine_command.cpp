@@ -1,25 +1,20 @@
 #include <fmt/format.h>
 
 #include <memory>
-#include <thread>
 
 #include "config/atomic_file.h"
 #include "daemon/cli/progress_line.h"
 #include "daemon/cli/run_request.h"
+#include "daemon/cli/threads_option.h"
 #include "daemon/run_output.h"
 
 namespace rigcal {
 namespace {
 
-int NumThreads(const RunRequest& request) {
-  return request.num_threads > 0 ? request.num_threads
-                                 : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-}
-
 int Refine(const RunRequest& request, const CommandSession& session) {
   if (auto writable = PrepareOutputFolder(request.out); !writable) return FailWith("refine", writable.error());
   ProgressLine line(session.on_terminal, MonotonicSeconds);
-  RunContext context(session.stop, NumThreads(request), MonotonicSeconds,
+  RunContext context(session.stop, NumThreads(request.num_threads), MonotonicSeconds,
                      [&line](const RunProgress& progress) { line.Show(progress); });
   auto run = PrepareRun(request, context);
   if (!run) return line.Clear(), FailWith("refine", run.error());
@@ -38,7 +33,7 @@ int Refine(const RunRequest& request, const CommandSession& session) {
 
 int ValidateCameras(const RunRequest& request, const CommandSession& session) {
   ProgressLine line(session.on_terminal, MonotonicSeconds);
-  RunContext context(session.stop, NumThreads(request), MonotonicSeconds,
+  RunContext context(session.stop, NumThreads(request.num_threads), MonotonicSeconds,
                      [&line](const RunProgress& progress) { line.Show(progress); });
   auto run = PrepareRun(request, context);
   if (!run) return line.Clear(), FailWith("validate", run.error());

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "daemon/cli/threads_option.h"
+
 namespace rigcal {
 namespace {
 
@@ -100,7 +102,7 @@ void AddRunOptions(CLI::App& command, RunRequest& request) {
   command.add_option("--aspect-sigma", request.aspect_sigma, "How sure that is (1 sigma)")
       ->check(CLI::Range(1e-6, 1.0));
   command.add_option("--random-seed", request.random_seed, "Seed of every random choice");
-  command.add_option("--threads", request.num_threads, "Threads; 0: one for each processor")->check(CLI::Range(0, 256));
+  AddThreadsOption(command, request.num_threads);
   command.add_flag("--json", request.json, "Print the report as JSON");
 }
 

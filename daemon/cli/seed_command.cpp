@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <memory>
-#include <thread>
 
 #include "config/atomic_file.h"
 #include "config/board_file.h"
@@ -11,6 +9,7 @@
 #include "config/seed_report.h"
 #include "daemon/cli/progress_line.h"
 #include "daemon/cli/run_request.h"
+#include "daemon/cli/threads_option.h"
 #include "daemon/seed_run.h"
 
 namespace rigcal {
@@ -50,10 +49,8 @@ Result<OpenedChart> Open(const SeedRequest& request) {
 
 int Seed(const SeedRequest& request, const CommandSession& session) {
   if (auto writable = PrepareOutputFolder(request.out); !writable) return FailWith("seed", writable.error());
-  const int num_threads = request.num_threads > 0 ? request.num_threads
-                                                  : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   ProgressLine line(session.on_terminal, MonotonicSeconds);
-  RunContext context(session.stop, num_threads, MonotonicSeconds,
+  RunContext context(session.stop, NumThreads(request.num_threads), MonotonicSeconds,
                      [&line](const RunProgress& progress) { line.Show(progress); });
   const Result<OpenedChart> opened = Open(request);
   if (!opened) return line.Clear(), FailWith("seed", opened.error());
@@ -75,9 +72,7 @@ void AddSeedCommand(CLI::App& app, CommandSession& session) {
   command->add_option("--recording", request->recording, "Folder with recording.json")->required();
   command->add_option("--chart", request->chart, "board.toml, as `chart print` writes it")->required();
   command->add_option("--out", request->out, "Folder for the results")->required();
-  command->add_option("--threads", request->num_threads, "Threads; 0: one for each processor")
-      ->check(CLI::Range(0, 256))
-      ->capture_default_str();
+  AddThreadsOption(*command, request->num_threads);
   command->add_flag("--json", request->json, "Prints report.json");
   command->callback([request, &session] { session.exit_status = Seed(*request, session); });
 }

@@ -12,6 +12,7 @@
 #include "daemon/cli/run_request.h"
 #include "daemon/cli/sim_commands.h"
 #include "daemon/cli/sim_folder.h"
+#include "daemon/cli/threads_option.h"
 
 namespace rigcal {
 namespace {
@@ -29,11 +30,12 @@ Result<sim::Studio> ReadStudio(const std::filesystem::path& set, const Execution
 struct JudgeRequest {
   std::filesystem::path set, patches;
   int level = 0;
-  int num_threads = 1;
+  int num_threads = 0;  ///< 0: one for each processor
 };
 
 Result<void> Judge(const JudgeRequest& request, const CommandSession& session) {
-  const Execution execution{.stop = session.stop, .num_threads = request.num_threads, .report_progress = {}};
+  const Execution execution{
+      .stop = session.stop, .num_threads = NumThreads(request.num_threads), .report_progress = {}};
   const Result<std::string> bytes = ReadFile(request.patches);
   if (!bytes) return Fail(bytes.error());
   const auto vertices = ParsePatches(*bytes, request.patches.string());
@@ -89,7 +91,7 @@ void AddSimJudgePatchesCommand(CLI::App& sim, CommandSession& session) {
   command->add_option("--level", request->level, "Pyramid level they were made at")
       ->capture_default_str()
       ->check(CLI::Range(0, kMaxLevel));
-  command->add_option("--threads", request->num_threads)->capture_default_str()->check(CLI::Range(1, 256));
+  AddThreadsOption(*command, request->num_threads);
   command->callback([request, &session] {
     const Result<void> judged = Judge(*request, session);
     session.exit_status = judged ? kExitAccepted : FailWith("sim judge-patches", judged.error());

@@ -6,6 +6,7 @@
 #include "daemon/cli/run_request.h"
 #include "daemon/cli/sim_commands.h"
 #include "daemon/cli/sim_folder.h"
+#include "daemon/cli/threads_option.h"
 
 namespace rigcal {
 namespace {
@@ -16,7 +17,7 @@ struct RenderRequest {
   std::string scene = "textured", motion = "turntable", background = "black";
   std::vector<double> distortion;
   std::string out;
-  int num_threads = 1;
+  int num_threads = 0;  ///< 0: one for each processor
 };
 
 template <typename Kind>
@@ -42,16 +43,12 @@ Result<void> Complete(RenderRequest& request) {
                 request.distortion.size(), request.studio.distortion.size());
   }
   std::copy(request.distortion.begin(), request.distortion.end(), request.studio.distortion.begin());
-  constexpr int kMaxThreads = 256;
-  if (request.num_threads < 1 || request.num_threads > kMaxThreads) {
-    return Fail(ErrorCode::kBadInput, "--threads is {}, must lie within 1 .. {}", request.num_threads, kMaxThreads);
-  }
   return {};
 }
 
 Result<void> Render(RenderRequest& request, const CommandSession& session) {
   if (auto completed = Complete(request); !completed) return completed;
-  Execution execution{.stop = session.stop, .num_threads = request.num_threads, .report_progress = {}};
+  Execution execution{.stop = session.stop, .num_threads = NumThreads(request.num_threads), .report_progress = {}};
   if (session.on_terminal) {
     execution.report_progress = [](double share) { fmt::print(stderr, "\rrender {:3.0f} %", 100 * share); };
   }
@@ -93,7 +90,7 @@ void AddSimRenderCommand(CLI::App& sim, CommandSession& session) {
       ->capture_default_str();
   command->add_flag("--recording", folder.recording, "Also write recording.json: the folder is a recording");
   command->add_option("--random-seed", studio.random_seed, "Of noise, step errors and starts")->capture_default_str();
-  command->add_option("--threads", request->num_threads)->capture_default_str();
+  AddThreadsOption(*command, request->num_threads);
   command->callback([request, &session] {
     const Result<void> rendered = Render(*request, session);
     session.exit_status = rendered ? kExitAccepted : FailWith("sim render", rendered.error());

@@ -17,6 +17,7 @@ import numpy
 
 MAX_TRUTH_ERROR_PX = 0.15  # seen: 0.03 to 0.08 px at this size
 STOP_WITHIN_S = 1.0        # what a person at the terminal expects
+MAX_BUMP_LEFT_DEG = 0.01   # of 0.49 degrees
 
 
 class Bench:
@@ -104,6 +105,33 @@ def recording_is_as_good_as_its_pictures(bench):
                 f"{len(results[0])} files, differing from those of the plain folder: {names or 'none'}; camera '{camera}'")
 
 
+def read_cameras(path):
+    lines = [line.split() for line in path.read_text().splitlines()[1:]]
+    return {words[0]: numpy.array([float(word) for word in words[1:]]) for words in lines}
+
+
+def one_bumped_camera(bench):
+    """One camera has been knocked by 0.5 degrees; the others are right and stay exactly as they are. Er is not told."""
+    truth, bumped = read_cameras(bench.root / "set/truth_par.txt"), "cam0_stop05.png"
+    start = {name: values.copy() for name, values in truth.items()}
+    knock = cv2.Rodrigues(numpy.radians([0.2, -0.4, 0.2]))[0]
+    start[bumped][9:18] = (knock @ truth[bumped][9:18].reshape(3, 3)).ravel()
+    start[bumped][18:21] = knock @ truth[bumped][18:21]
+    file = bench.root / "bumped_par.txt"
+    file.write_text("\n".join([str(len(start))] + [" ".join([name] + [repr(float(v)) for v in values]) for name, values in start.items()]) + "\n")
+    others = [name for name in truth if name != bumped]
+    out = bench.root / "fixed"
+    done = subprocess.run([bench.rigcal, "refine", "--images", str(bench.root / "set"), "--cameras", str(file), "--out", str(out),
+                           "--fix-cameras", ",".join(others), "--json"], capture_output=True, text=True)
+    report, refined = json.loads(done.stdout), read_cameras(out / "cameras_par.txt")
+    kept = all(numpy.allclose(refined[name], truth[name], rtol=1e-12, atol=1e-12) for name in others)
+    off_rad = numpy.linalg.norm(cv2.Rodrigues(refined[bumped][9:18].reshape(3, 3) @ truth[bumped][9:18].reshape(3, 3).T)[0])
+    moved = {view["name"]: view["moved_px"] for view in report["views"]}
+    bench.check("bumped", done.returncode == 0 and kept and numpy.degrees(off_rad) < MAX_BUMP_LEFT_DEG,
+                f"status {done.returncode}, {report['verdict']}, Er {report['expected_error_px']:.1f} px, {bumped} moved "
+                f"{moved[bumped]:.1f} px and is off by {numpy.degrees(off_rad):.4f} degrees, others as they were: {kept}")
+
+
 def names_view(bench, case, spoil, views):
     folder = bench.root / case
     shutil.copytree(bench.root / "set", folder)
@@ -147,6 +175,7 @@ def main():
         truth_is_found(bench)
         threads_do_not_matter(bench)
         it_stops(bench)
+        one_bumped_camera(bench)
         recording_is_as_good_as_its_pictures(bench)
         names_view(bench, "black", black, range(12))
         names_view(bench, "blurred", blur_third, [3])
