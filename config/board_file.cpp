@@ -1,8 +1,5 @@
 #include "config/board_file.h"
 
-#define TOML_EXCEPTIONS 0
-#include <toml++/toml.h>
-
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -11,6 +8,7 @@
 
 #include "config/atomic_file.h"
 #include "config/read_file.h"
+#include "config/toml_content.h"
 #include "core/seed/check_board.h"
 #include "core/seed/tag_family.h"
 
@@ -44,12 +42,8 @@ constexpr std::array<Key, 8> kKeys = {{
     {"thickness_m", &Board::thickness_m, 0, kMaxThicknessM, false},
 }};
 
-std::string Where(const std::string& file, const toml::node& node, std::string_view key) {
-  return fmt::format("{} line {}: {}", file, node.source().begin.line, key);
-}
-
 Result<void> ReadKey(const Key& key, const toml::node& node, const std::string& file, Board& board) {
-  const std::string where = Where(file, node, key.name);
+  const std::string where = KeyPlace(file, node, key.name);
   if (const auto* text = std::get_if<std::string Board::*>(&key.member)) {
     if (!node.is_string())
       return Fail(ErrorCode::kBadInput, "{} must be a text in quotes, a family of AprilTags", where);
@@ -57,24 +51,20 @@ Result<void> ReadKey(const Key& key, const toml::node& node, const std::string& 
     return {};
   }
   const bool whole = std::holds_alternative<int Board::*>(key.member);
-  const char* kind = whole ? "a whole number" : "a number in metres";
-  if (!node.is_integer() && (whole || !node.is_floating_point()))
-    return Fail(ErrorCode::kBadInput, "{} must be {} from {:.4g} to {:.4g}", where, kind, key.least, key.most);
-  const double value = node.is_integer() ? static_cast<double>(node.ref<std::int64_t>()) : node.ref<double>();
-  if (!(value >= key.least && value <= key.most))
-    return Fail(ErrorCode::kBadInput, "{} = {} is outside its range, {} from {:.4g} to {:.4g}", where, value, kind,
-                key.least, key.most);
+  const Result<double> value = TomlNumber(node, where, {key.least, key.most, whole, whole ? "" : "metres"});
+  if (!value) return Fail(value.error());
   if (whole)
-    board.*std::get<int Board::*>(key.member) = static_cast<int>(value);
+    board.*std::get<int Board::*>(key.member) = static_cast<int>(*value);
   else
-    board.*std::get<double Board::*>(key.member) = value;
+    board.*std::get<double Board::*>(key.member) = *value;
   return {};
 }
 
 Result<void> CheckGap(const toml::table& table, const std::string& file, const Board& board) {
   if (board.gap_m <= kMaxGapShare * board.tag_m) return {};
-  std::string message = fmt::format("{} = {} is more than {:.4g} (twice tag_m)",
-                                    Where(file, *table.get("gap_m"), "gap_m"), board.gap_m, kMaxGapShare * board.tag_m);
+  std::string message =
+      fmt::format("{} = {} is more than {:.4g} (twice tag_m)", KeyPlace(file, *table.get("gap_m"), "gap_m"),
+                  board.gap_m, kMaxGapShare * board.tag_m);
   if (board.gap_m <= 1)
     message += fmt::format("; it looks like Kalibr's spacing ratio mistaken for a length, which would be {:.6g} m",
                            board.gap_m * board.tag_m);
@@ -89,17 +79,15 @@ std::string_view NamedKey(const std::string& message) {
 }  // namespace
 
 Result<Board> ParseBoard(std::string_view text, const std::string& file) {
-  const toml::parse_result parsed = toml::parse(text, file);
-  if (!parsed)
-    return Fail(ErrorCode::kBadInput, "{} line {}: not TOML: {}", file, parsed.error().source().begin.line,
-                parsed.error().description());
-  const toml::table& table = parsed.table();
+  const Result<toml::table> parsed = ParseToml(text, file);
+  if (!parsed) return Fail(parsed.error());
+  const toml::table& table = *parsed;
   for (const auto& [name, node] : table)
     if (std::none_of(kKeys.begin(), kKeys.end(), [&](const Key& key) { return key.name == name.str(); }))
       return Fail(ErrorCode::kBadInput,
                   "{} is no key of a board file; known are family, border_bits, columns, rows, tag_m, gap_m, first_id, "
                   "thickness_m",
-                  Where(file, node, name.str()));
+                  KeyPlace(file, node, name.str()));
   Board board;
   for (const Key& key : kKeys) {
     const toml::node* node = table.get(key.name);

@@ -72,23 +72,74 @@ Json BoardJson(const SeedResult& seed) {
             {"stretch", NumberJson(sigma.stretch)}}}};
 }
 
+Json VectorJson(const Eigen::Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+Json AxisJson(const AxisEstimate& axis, const SeedScene& scene) {
+  return {{"camera", scene.cameras[axis.camera].id},
+          {"direction_in_cam", VectorJson(axis.direction_in_cam)},
+          {"direction_sigma_deg", NumberJson(axis.direction_sigma_rad * kDegPerRad)},
+          {"point_in_cam_m", VectorJson(axis.point_in_cam)},
+          {"point_sigma_m", NumberJson(axis.point_sigma_m)}};
+}
+
+/// The errors of a stop that this kind of positioner has; rotations in degrees.
+Json StopErrorsJson(PositionerKind kind, const StopError& error, const StopError& sigma) {
+  constexpr int kNumRotations = 3;
+  Json json = Json::array();
+  const auto names = StopErrorNames(kind);
+  for (int k = 0; k < kStopErrorSize; ++k) {
+    if (*names[k] == '\0') continue;
+    const bool turns = k < kNumRotations;
+    const double scale = turns ? kDegPerRad : 1;
+    json.push_back({{"name", names[k]},
+                    {"value", NumberJson(scale * error[k])},
+                    {"sigma", NumberJson(scale * sigma[k])},
+                    {"unit", turns ? "deg" : "m"}});
+  }
+  return json;
+}
+
+Json RigJson(const SeedScene& scene, const RigEstimate& rig) {
+  Json json;
+  if (rig.axis) json["axis"] = AxisJson(*rig.axis, scene);
+  json["stops"] = Json::array();
+  for (std::size_t s = 0; s < scene.stops.size(); ++s) {
+    json["stops"].push_back(
+        {{"id", scene.stops[s].id},
+         {"errors", StopErrorsJson(rig.model.positioner.kind, rig.stop_errors[s], rig.stop_error_sigma[s])}});
+  }
+  return json;
+}
+
+std::string AxisText(const AxisEstimate& axis, const SeedScene& scene) {
+  const Eigen::Vector3d &d = axis.direction_in_cam, &p = axis.point_in_cam;
+  return fmt::format(
+      "axis in camera {}: direction ({:.6f}, {:.6f}, {:.6f}) +- {:.4f} degrees, through ({:.3f}, {:.3f}, {:.3f}) +- "
+      "{:.3f} mm\n",
+      scene.cameras[axis.camera].id, d.x(), d.y(), d.z(), axis.direction_sigma_rad * kDegPerRad, 1e3 * p.x(),
+      1e3 * p.y(), 1e3 * p.z(), 1e3 * axis.point_sigma_m);
+}
+
 }  // namespace
 
 std::string SeedReportText(const SeedScene& scene, const std::vector<ChartDetection>& detections,
                            const SeedResult& seed) {
   Ensure(detections.size() == scene.views.size(), "there is one detection per view");
-  const Json json = {{"format", "rigcal seed report"},
-                     {"version", kVersion},
-                     {"rms_px", NumberJson(seed.report.rms_px)},
-                     {"cameras", CamerasJson(seed)},
-                     {"views", ViewsJson(scene, detections, seed.report)},
-                     {"board", BoardJson(seed)},
-                     {"advice", seed.report.advice},
-                     {"contradictions", seed.report.contradictions}};
+  Json json = {{"format", "rigcal seed report"},
+               {"version", kVersion},
+               {"rms_px", NumberJson(seed.report.rms_px)},
+               {"cameras", CamerasJson(seed)},
+               {"views", ViewsJson(scene, detections, seed.report)},
+               {"board", BoardJson(seed)},
+               {"advice", seed.report.advice},
+               {"contradictions", seed.report.contradictions}};
+  if (seed.rig) json["rig"] = RigJson(scene, *seed.rig);
   return JsonText(json);
 }
 
-std::string SeedSummaryText(const SeedResult& seed) {
+std::string SeedSummaryText(const SeedScene& scene, const SeedResult& seed) {
   std::string text = fmt::format("chart corners: {:.3f} px RMS\n", seed.report.rms_px);
   for (int c = 0; c < seed.calibration.NumCameras(); ++c) {
     const Camera& camera = seed.calibration.cameras[c];
@@ -101,6 +152,7 @@ std::string SeedSummaryText(const SeedResult& seed) {
         camera.id, camera.fx_px, sigma[kFx], camera.fy_px, sigma[kFy], camera.cx_px, sigma[kCx], camera.cy_px,
         sigma[kCy], report.num_views, report.num_corners, report.rms_px);
   }
+  if (seed.rig && seed.rig->axis) text += AxisText(*seed.rig->axis, scene);
   for (const std::string& sentence : seed.report.contradictions) text += sentence + "\n";
   for (const std::string& sentence : seed.report.advice) text += sentence + "\n";
   return text;

@@ -14,6 +14,6 @@ std::string SeedReportText(const SeedScene& scene, const std::vector<ChartDetect
                            const SeedResult& seed);
 
 /// The same in a few lines, for people.
-std::string SeedSummaryText(const SeedResult& seed);
+std::string SeedSummaryText(const SeedScene& scene, const SeedResult& seed);
 
 }  // namespace rigcal

@@ -21,13 +21,20 @@ std::vector<int> ChartViews(const Recording& recording) {
   return views;
 }
 
-SeedScene SceneOf(const ChartRecording& chart, const std::vector<int>& views) {
+Result<SeedScene> SceneOf(const ChartRecording& chart, const std::vector<int>& views) {
   SeedScene scene{.board = chart.board};
+  if (chart.rig) {
+    Result<std::vector<StopPosition>> stops = StopPositions(chart.recording, *chart.rig, chart.folder.string());
+    if (!stops) return Fail(stops.error());
+    scene.stops = std::move(*stops);
+    scene.rig = chart.rig->model;
+  }
   for (const RecordedCamera& camera : chart.recording.cameras) {
     scene.cameras.push_back({camera.id, camera.width_px, camera.height_px});
   }
   for (int v : views) {
-    scene.views.push_back({chart.recording.views[v].file, chart.recording.views[v].camera, std::nullopt});
+    const RecordedView& view = chart.recording.views[v];
+    scene.views.push_back({view.file, view.camera, chart.rig ? view.stop : std::nullopt});
   }
   return scene;
 }
@@ -60,7 +67,9 @@ Result<SeededRig> SeedRig(const ChartRecording& chart, RunContext& context) {
     return Fail(ErrorCode::kBadInput, "{}: none of its {} pictures is one of the chart", chart.folder.string(),
                 chart.recording.views.size());
   }
-  SeededRig rig{.scene = SceneOf(chart, views)};
+  Result<SeedScene> scene = SceneOf(chart, views);
+  if (!scene) return Fail(scene.error());
+  SeededRig rig{.scene = std::move(*scene)};
   Result<std::vector<ChartDetection>> detections = context.Time("detect", -1, [&](const Execution& execution) {
     return ParallelResults<ChartDetection>(execution, static_cast<int>(views.size()), "looking for the chart",
                                            [&](int i) { return DetectIn(chart, views[i]); });

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "config/provenance.h"
+#include "config/rig_file.h"
 #include "core/base/result.h"
 #include "core/scene/recording.h"
 #include "core/seed/detect_chart.h"
@@ -17,6 +19,7 @@ struct ChartRecording {
   std::filesystem::path folder;
   Recording recording;
   Board board;
+  std::optional<RigFile> rig;
 };
 
 struct SeededRig {
@@ -25,8 +28,9 @@ struct SeededRig {
   SeedResult seed;
 };
 
-/// Cameras from pictures of the chart: detect -> seed (DESIGN.md section 2). Every view has a pose of its own. Errors:
-/// kBadInput when the recording shows no chart, and those of LoadRecordedPicture, DetectChart and SeedCameras.
+/// Cameras from pictures of the chart: detect -> seed (DESIGN.md section 2). With a rig the views at its stops have the
+/// poses that it gives them; all others, and without a rig all, have a pose of their own. Errors: kBadInput when the
+/// recording shows no chart, and those of StopPositions, LoadRecordedPicture, DetectChart and SeedCameras.
 Result<SeededRig> SeedRig(const ChartRecording& chart, RunContext& context);
 
 /// Writes calibration.json and report.json into `folder`, each whole or not at all. Errors: kIo, kDiskFull.

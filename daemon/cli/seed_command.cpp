@@ -16,7 +16,7 @@ namespace rigcal {
 namespace {
 
 struct SeedRequest {
-  std::filesystem::path recording, chart, out;
+  std::filesystem::path recording, chart, rig, out;
   int num_threads = 0;  ///< 0: one for each processor
   bool json = false;
 };
@@ -35,7 +35,15 @@ Result<OpenedChart> Open(const SeedRequest& request) {
   if (!recording->closed) return Fail(ErrorCode::kBadInput, "{}: the recording is not closed", file.string());
   OpenedChart opened;
   opened.provenance = {.program_version = std::string(ProgramVersion()), .method = "seed"};
-  for (const std::filesystem::path& input : {file, request.chart}) {
+  std::optional<RigFile> rig;
+  std::vector<std::filesystem::path> inputs = {file, request.chart};
+  if (!request.rig.empty()) {
+    Result<RigFile> loaded = LoadRig(request.rig);
+    if (!loaded) return Fail(loaded.error());
+    rig = std::move(*loaded);
+    inputs.push_back(request.rig);
+  }
+  for (const std::filesystem::path& input : inputs) {
     const Result<std::string> bytes = ReadFile(input);
     if (!bytes) return Fail(bytes.error());
     opened.provenance.inputs.push_back({input.filename().string(), Sha256Hex(*bytes)});
@@ -43,7 +51,7 @@ Result<OpenedChart> Open(const SeedRequest& request) {
   for (const RecordedView& view : recording->views) {
     if (view.subject != Subject::kObject) opened.provenance.inputs.push_back({view.file, view.sha256});
   }
-  opened.chart = {request.recording, std::move(*recording), *board};
+  opened.chart = {request.recording, std::move(*recording), *board, std::move(rig)};
   return opened;
 }
 
@@ -60,7 +68,8 @@ int Seed(const SeedRequest& request, const CommandSession& session) {
   if (written) written = WriteTimingJson(context.Timing(), request.out / "timing.json");
   line.Clear();
   if (!written) return FailWith("seed", written.error());
-  fmt::print("{}", request.json ? SeedReportText(rig->scene, rig->detections, rig->seed) : SeedSummaryText(rig->seed));
+  fmt::print("{}", request.json ? SeedReportText(rig->scene, rig->detections, rig->seed)
+                                : SeedSummaryText(rig->scene, rig->seed));
   return kExitAccepted;
 }
 
@@ -71,6 +80,7 @@ void AddSeedCommand(CLI::App& app, CommandSession& session) {
   auto request = std::make_shared<SeedRequest>();
   command->add_option("--recording", request->recording, "Folder with recording.json")->required();
   command->add_option("--chart", request->chart, "board.toml, as `chart print` writes it")->required();
+  command->add_option("--rig", request->rig, "rig.toml: the stops are those of its positioner (docs/rig.md)");
   command->add_option("--out", request->out, "Folder for the results")->required();
   AddThreadsOption(*command, request->num_threads);
   command->add_flag("--json", request->json, "Prints report.json");

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <nlohmann/json.hpp>
+
 #include "tests/config/schema_check.h"
 
 namespace rigcal {
@@ -45,8 +47,26 @@ TEST(SeedReportText, SaysNullForWhatIsNotKnown) {
   EXPECT_EQ(SchemaComplaints("seed_report.schema.json", text), "");
 }
 
+TEST(SeedReportText, TellsTheAxisAndTheErrorsOfEachStop) {
+  SeedScene scene = ExampleScene();
+  scene.stops = {{.id = "00", .axes = {0}}, {.id = "01", .axes = {0.5}}};
+  SeedResult seed = ExampleSeed();
+  seed.rig = RigEstimate{.model = Turntable()};
+  seed.rig->axis = AxisEstimate{.camera = 0, .direction_sigma_rad = 1e-4, .point_sigma_m = 2e-5};
+  seed.rig->stop_errors.assign(2, StopError::Zero());
+  seed.rig->stop_error_sigma.assign(2, StopError::Constant(1e-4));
+  seed.rig->stop_errors[1][kStep] = 0.01;
+  const std::string text = SeedReportText(scene, ExampleDetections(), seed);
+  EXPECT_EQ(SchemaComplaints("seed_report.schema.json", text), "");
+  const auto json = nlohmann::json::parse(text);
+  const auto step = json.at("rig").at("stops").at(1).at("errors").at(kStep);
+  EXPECT_EQ(step.at("name"), "step error");
+  EXPECT_NEAR(step.at("value").get<double>(), 0.572958, 1e-6);  // degrees
+  EXPECT_THAT(SeedSummaryText(scene, seed), ::testing::HasSubstr("axis in camera left"));
+}
+
 TEST(SeedSummaryText, SaysWhatToShowNext) {
-  EXPECT_THAT(SeedSummaryText(ExampleSeed()), ::testing::HasSubstr("tilt the board"));
+  EXPECT_THAT(SeedSummaryText(ExampleScene(), ExampleSeed()), ::testing::HasSubstr("tilt the board"));
 }
 
 }  // namespace

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/scene/recording.h"
+#include "core/scene/rig_model.h"
+
+namespace rigcal {
+
+/// rig.toml: the studio's positioner and how exactly it repeats (docs/rig.md).
+struct RigFile {
+  RigModel model;                 ///< kind, load and expected errors; geometry is for seeding to find
+  std::vector<std::string> axes;  ///< their names in recordings; none for an arm
+};
+
+/// `file` names it in messages, which tell line, key and allowed range. Errors: kBadInput: not TOML, a key that is
+/// unknown, missing or not one of this kind of positioner, a value of the wrong type or out of range.
+Result<RigFile> ParseRig(std::string_view text, const std::string& file);
+
+/// The same from a file. Errors also: kNotFound, kIo.
+Result<RigFile> LoadRig(const std::filesystem::path& path);
+
+/// Where the positioner stood at each stop of a recording: as reported, or as commanded where it does not report.
+/// `recording_name` names it in messages. Errors: kBadInput with the stop: an axis of the rig or an arm's pose is
+/// missing, or in another unit.
+Result<std::vector<StopPosition>> StopPositions(const Recording& recording, const RigFile& rig,
+                                                const std::string& recording_name);
+
+}  // namespace rigcal
