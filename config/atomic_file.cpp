@@ -72,10 +72,10 @@ Result<void> WriteFileAtomically(const std::filesystem::path& path, std::string_
 
 Result<void> PrepareOutputFolder(const std::filesystem::path& folder) {
   std::error_code error;
+  if (std::filesystem::exists(folder, error) && !std::filesystem::is_directory(folder, error))
+    return Fail(ErrorCode::kBadInput, "{}: a folder is needed here, this is a file", folder.string());
   std::filesystem::create_directories(folder, error);
   if (error) return WriteFailure(folder, error.value());
-  if (!std::filesystem::is_directory(folder, error))
-    return Fail(ErrorCode::kBadInput, "{}: a folder is needed here, this is a file", folder.string());
   const TemporaryFile probe(folder / "probe");
   if (const int failure = probe.Write("probe"); failure != 0) return WriteFailure(folder, failure);
   return {};

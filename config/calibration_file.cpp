@@ -89,7 +89,7 @@ Camera CameraFrom(const Json& json) {
 
 CalibrationCovariance CovarianceFrom(const Json& json, Eigen::Index size) {
   std::vector<int> rows;
-  for (const Json& row : json.at("rows"))
+  for (const Json& row : List(json, "rows"))
     rows.push_back(
         WholeNumber(row, rows.empty() ? 0 : rows.back() + 1, static_cast<int>(size) - 1, "a covariance row"));
   const Json& upper = json.at("upper_triangle");
@@ -113,7 +113,7 @@ Provenance ProvenanceFrom(const Json& json) {
   for (const auto& [name, value] : json.at("options").items())
     provenance.options.emplace_back(name, value.get<std::string>());
   provenance.random_seed = json.at("random_seed").get<std::uint64_t>();
-  for (const Json& input : json.at("inputs"))
+  for (const Json& input : List(json, "inputs"))
     provenance.inputs.push_back({input.at("file").get<std::string>(), input.at("sha256").get<std::string>()});
   provenance.notes = json.at("notes").get<std::vector<std::string>>();
   return provenance;
@@ -129,12 +129,12 @@ CalibrationContent ContentFrom(const Json& json, const std::string& file) {
   CalibrationContent content;
   RigCalibration& calibration = content.calibration;
   std::map<std::string, int> camera_by_id;
-  for (const Json& camera : json.at("cameras")) {
+  for (const Json& camera : List(json, "cameras")) {
     calibration.cameras.push_back(CameraFrom(camera));
     if (!camera_by_id.emplace(calibration.cameras.back().id, calibration.NumCameras() - 1).second)
       Refuse("the camera '{}' is there twice", calibration.cameras.back().id);
   }
-  for (const Json& view : json.at("views")) {
+  for (const Json& view : List(json, "views")) {
     const auto name = view.at("name").get<std::string>();
     const std::string where = fmt::format("{} view '{}'", file, name);
     const auto camera = camera_by_id.find(view.at("camera").get<std::string>());

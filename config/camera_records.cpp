@@ -2,9 +2,11 @@
 
 #include <Eigen/SVD>
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <map>
 
+#include "config/json_text.h"
 #include "config/name_pattern.h"
 
 namespace rigcal {
@@ -45,6 +47,9 @@ Result<void> CheckRecord(const CameraRecord& record, const CameraFileOptions& op
   if (record.name.empty() || record.name.size() > kMaxImageNameLength)
     return Fail(ErrorCode::kBadInput, "{}: an image name has 1 to {} characters, this one has {}", record.where,
                 kMaxImageNameLength, record.name.size());
+  const bool has_controls = std::ranges::any_of(record.name, [](unsigned char c) { return std::iscntrl(c) != 0; });
+  if (has_controls || !IsUtf8(record.name))
+    return Fail(ErrorCode::kBadInput, "{}: the image name '{}' is not plain text in UTF-8", record.where, record.name);
   if (!camera.Intrinsics().allFinite() || !record.cam_from_world.translation.allFinite())
     return Fail(ErrorCode::kBadInput, "{}: holds a number that is not finite", record.where);
   if (!(camera.fx_px > 0) || !(camera.fy_px > 0))

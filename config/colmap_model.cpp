@@ -144,7 +144,8 @@ Result<std::vector<CameraRecord>> ParseColmapModel(std::string_view cameras_text
     const std::string_view content = Trimmed(line.text);
     if (is_points_line) {
       is_points_line = false;
-      if (SplitFields(content).size() % 3 != 0)
+      const auto fields = SplitFields(content);
+      if (fields.size() % 3 != 0 || !ParseNumbers(fields, where))
         return Fail(ErrorCode::kBadInput,
                     "{}: a line of points (X Y POINT3D_ID ..., may be empty) must follow each image", where);
       continue;

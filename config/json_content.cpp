@@ -33,6 +33,12 @@ Json PoseJson(const Rigid3d& b_from_a, const char* translation_key) {
           {translation_key, {t.x(), t.y(), t.z()}}};
 }
 
+const Json& List(const Json& json, const char* key) {
+  const Json& list = json.at(key);
+  if (!list.is_array()) Refuse("{} is not a list", key);
+  return list;
+}
+
 Rigid3d PoseFrom(const Json& json, const char* translation_key, const std::string& where) {
   const Json& q = json.at("rotation");
   const Result<Eigen::Quaterniond> rotation = RotationFromQuaternion(
@@ -44,6 +50,7 @@ Rigid3d PoseFrom(const Json& json, const char* translation_key, const std::strin
 }
 
 Result<void> CheckFormat(const Json& json, const std::string& file, const DocumentFormat& format) {
+  if (!json.is_object()) return Fail(ErrorCode::kBadInput, "{}: is not a JSON object", file);
   if (json.at("format") != format.name)
     return Fail(ErrorCode::kBadInput, "{}: the format is not '{}'", file, format.name);
   if (const int version = WholeNumber(json.at("version"), 1, std::numeric_limits<int>::max(), "version");

@@ -32,6 +32,9 @@ struct DocumentFormat {
 /// Throws BadContent unless the value is a whole number within low .. high; `what` names it.
 int WholeNumber(const nlohmann::ordered_json& json, int low, int high, const char* what);
 
+/// The array under a key. Throws BadContent when it is something else, which a loop would take for one.
+const nlohmann::ordered_json& List(const nlohmann::ordered_json& json, const char* key);
+
 /// {"rotation": {"w", "x", "y", "z"}, <translation_key>: [x, y, z]} and back; the key carries the unit where it is
 /// known.
 nlohmann::ordered_json PoseJson(const Rigid3d& b_from_a, const char* translation_key);

@@ -49,6 +49,15 @@ std::string JsonText(const Json& document) {
   return text + '\n';
 }
 
+bool IsUtf8(const std::string& text) {
+  try {
+    Json(text).dump();
+    return true;
+  } catch (const Json::exception&) {
+    return false;
+  }
+}
+
 Json NumberJson(double number) {
   return std::isfinite(number) ? Json(number) : Json(nullptr);
 }

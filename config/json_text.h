@@ -12,6 +12,9 @@ namespace rigcal {
 /// of insertion, every number with the digits it takes to read back the same double. All numbers must be finite.
 std::string JsonText(const nlohmann::ordered_json& document);
 
+/// Whether a JSON document can hold the text.
+bool IsUtf8(const std::string& text);
+
 /// A number that may not exist (an error without any track) is null in JSON.
 nlohmann::ordered_json NumberJson(double number);
 

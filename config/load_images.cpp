@@ -28,7 +28,7 @@ std::string SizeText(cv::Size size) {
 
 Result<void> CheckFits(const cv::Mat& image, const Camera& camera, const std::string& file) {
   const cv::Size expected(camera.width_px, camera.height_px);
-  if (expected.area() > 0 && image.size() != expected)
+  if (expected.width > 0 && expected.height > 0 && image.size() != expected)
     return Fail(ErrorCode::kBadInput, "{}: the image is {}, its camera '{}' is {}", file, SizeText(image.size()),
                 camera.id, SizeText(expected));
   const double right = image.cols - 0.5, bottom = image.rows - 0.5;

@@ -1,10 +1,10 @@
 #include <cmath>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <regex>
 #include <set>
 #include <tuple>
 
+#include "config/json_text.h"
 #include "config/name_pattern.h"
 #include "config/recording_file.h"
 
@@ -12,15 +12,6 @@ namespace rigcal {
 namespace {
 
 constexpr std::size_t kMaxIdLength = 256;  ///< characters of an id or a serial number
-
-bool IsUtf8(const std::string& text) {
-  try {
-    nlohmann::json(text).dump();
-    return true;
-  } catch (const nlohmann::json::exception&) {
-    return false;
-  }
-}
 
 Result<void> CheckText(const std::string& what, const std::string& text, std::size_t max_length) {
   if (text.empty() || text.size() > max_length)

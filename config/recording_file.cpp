@@ -128,7 +128,7 @@ RecordedStop StopFrom(const Json& json) {
   stop.id = json.at("id").get<std::string>();
   const std::string where = fmt::format("stop '{}'", stop.id);
   if (json.contains("axes"))
-    for (const Json& axis : json.at("axes")) stop.axes.push_back(AxisFrom(axis, where));
+    for (const Json& axis : List(json, "axes")) stop.axes.push_back(AxisFrom(axis, where));
   stop.base_from_flange_commanded = OptionalPose(json, "base_from_flange_commanded", where);
   stop.base_from_flange_reported = OptionalPose(json, "base_from_flange_reported", where);
   return stop;
@@ -171,15 +171,15 @@ Recording RecordingFrom(const Json& json) {
   recording.closed = json.at("closed").get<bool>();
   recording.linear = json.at("linear").get<bool>();
   IndexById cameras, stops;
-  for (const Json& camera : json.at("cameras")) {
+  for (const Json& camera : List(json, "cameras")) {
     recording.cameras.push_back(CameraFrom(camera));
     cameras.emplace(recording.cameras.back().id, static_cast<int>(cameras.size()));
   }
-  for (const Json& stop : json.at("stops")) {
+  for (const Json& stop : List(json, "stops")) {
     recording.stops.push_back(StopFrom(stop));
     stops.emplace(recording.stops.back().id, static_cast<int>(stops.size()));
   }
-  for (const Json& view : json.at("views")) recording.views.push_back(ViewFrom(view, cameras, stops));
+  for (const Json& view : List(json, "views")) recording.views.push_back(ViewFrom(view, cameras, stops));
   if (const Result<void> consistent = CheckConsistent(recording); !consistent)
     throw BadContent(consistent.error().message);
   return recording;

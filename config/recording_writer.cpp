@@ -35,6 +35,7 @@ Result<int> RecordingWriter::AddStop(const RecordedStop& stop) {
 }
 
 Result<void> RecordingWriter::AddView(RecordedView view, const std::string& picture) {
+  Ensure(!recording_.closed, "a closed recording is not changed");
   const std::filesystem::path path = folder_ / view.file;
   view.sha256 = Sha256Hex(picture);
   Recording changed = recording_;
@@ -45,7 +46,9 @@ Result<void> RecordingWriter::AddView(RecordedView view, const std::string& pict
     return Fail(ErrorCode::kBadInput, "{}: is there already and is not written over", path.string());
   std::filesystem::create_directories(path.parent_path(), error);
   if (Result<void> written = WriteFileAtomically(path, picture); !written) return written;
-  return Save(std::move(changed));
+  Result<void> saved = Save(std::move(changed));
+  if (!saved) std::filesystem::remove(path, error);  // so that it can be added again
+  return saved;
 }
 
 Result<void> RecordingWriter::Close() {

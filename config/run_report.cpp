@@ -16,18 +16,6 @@ Json Numbers(const std::vector<double>& numbers) {
   return json;
 }
 
-const char* NameOf(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kAccepted:
-      return "accepted";
-    case Verdict::kRejected:
-      return "rejected";
-    case Verdict::kInconclusive:
-      break;
-  }
-  return "inconclusive";
-}
-
 Json ReasonsJson(const std::vector<Reason>& reasons) {
   Json json = Json::array();
   for (const Reason& reason : reasons) {
@@ -97,6 +85,18 @@ Json MasksJson(const std::vector<MaskReport>& masks) {
 }
 
 }  // namespace
+
+const char* NameOf(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kAccepted:
+      return "accepted";
+    case Verdict::kRejected:
+      return "rejected";
+    case Verdict::kInconclusive:
+      break;
+  }
+  return "inconclusive";
+}
 
 std::string ReportText(const RunReport& report) {
   const HoldoutError& holdout = report.validation.holdout;

@@ -61,6 +61,9 @@ struct RunTiming {
   double total_wall_s = 0;
 };
 
+/// As in report.json: accepted, rejected, inconclusive.
+const char* NameOf(Verdict verdict);
+
 /// The texts of report.json and timing.json. A number that is not finite becomes null.
 std::string ReportText(const RunReport& report);
 std::string TimingText(const RunTiming& timing);

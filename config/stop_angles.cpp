@@ -26,7 +26,12 @@ bool AllNumbers(const std::vector<std::string>& ids) {
 
 /// START:STEP would give all stops after a missing one the wrong angle.
 Result<void> CheckNoGap(const std::vector<std::string>& ids) {
-  if (!AllNumbers(ids)) return {};
+  const auto word = std::ranges::find_if(ids, [](const std::string& id) { return !NumberOf(id); });
+  if (word != ids.end())
+    return Fail(ErrorCode::kBadInput,
+                "--angles-deg START:STEP needs stops that are numbers of at most {} digits, '{}' is none; give a file "
+                "of angles",
+                kMaxDigits, *word);
   for (std::size_t i = 2; i < ids.size(); ++i) {
     const int first = *NumberOf(ids[1]) - *NumberOf(ids[0]), step = *NumberOf(ids[i]) - *NumberOf(ids[i - 1]);
     if (step != first)

@@ -1,33 +1,40 @@
 #include "daemon/run_context.h"
 
 #include <array>
+#include <cstddef>
 #include <string_view>
 #include <utility>
 
 namespace rigcal {
 namespace {
 
-/// Share of a round that each stage takes (measured on templeSparseRing; only the progress line depends on it).
+/// Where a stage lies in what it is part of (measured on templeSparseRing; only the progress line depends on it).
 struct StageShare {
   std::string_view stage;
   double begin;
   double length;
 };
-constexpr std::array<StageShare, 4> kStageShares = {
-    {{"stereo", 0.0, 0.45}, {"sparse", 0.45, 0.1}, {"match", 0.55, 0.2}, {"adjust", 0.75, 0.25}}};
-constexpr double kShareBeforeRounds = 0.1;  ///< loading and the estimate of Er
-constexpr double kShareAfterRounds = 0.05;  ///< validation and writing
+constexpr std::array<StageShare, 3> kOfRound = {{{"stereo", 0.0, 0.5}, {"match", 0.5, 0.25}, {"adjust", 0.75, 0.25}}};
+constexpr double kShareBeforeRounds = 0.1, kShareAfterRounds = 0.05;
+constexpr std::array<StageShare, 6> kOfRun = {{{"load", 0.0, 0.02},
+                                               {"estimate", 0.02, 0.02},
+                                               {"sparse", 0.04, 0.04},
+                                               {"approach", 0.08, 0.02},
+                                               {"validate", 1 - kShareAfterRounds, 0.04},
+                                               {"write", 0.99, 0.01}}};
+
+template <std::size_t kCount>
+double ShareIn(const std::array<StageShare, kCount>& shares, const RunProgress& p) {
+  for (const StageShare& s : shares) {
+    if (s.stage == p.stage) return s.begin + s.length * p.stage_share;
+  }
+  return 0;
+}
 
 double RunShare(const RunProgress& p) {
-  if (p.round < 0 || p.num_rounds == 0) {
-    return p.stage == "validate" ? 1 - kShareAfterRounds * (1 - p.stage_share) : kShareBeforeRounds * p.stage_share;
-  }
-  double in_round = 0;
-  for (const StageShare& s : kStageShares) {
-    if (s.stage == p.stage) in_round = s.begin + s.length * p.stage_share;
-  }
+  if (p.round < 0) return ShareIn(kOfRun, p);
   const double rounds = 1 - kShareBeforeRounds - kShareAfterRounds;
-  return kShareBeforeRounds + rounds * (p.round + in_round) / p.num_rounds;
+  return kShareBeforeRounds + rounds * (p.round + ShareIn(kOfRound, p)) / p.num_rounds;
 }
 
 }  // namespace
@@ -51,7 +58,7 @@ Execution RunContext::Begin(const std::string& name, int round) {
   if (listener_) {
     execution.report_progress = [this, name, round](double share) {
       RunProgress progress{.stage = name, .round = round, .num_rounds = num_rounds_, .stage_share = share};
-      progress.run_share = RunShare(progress);
+      if (num_rounds_ > 0) progress.run_share = RunShare(progress);
       listener_(progress);
     };
     execution.report_progress(0);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <stop_token>
 #include <string>
 
@@ -14,8 +15,8 @@ struct RunProgress {
   std::string stage;
   int round = -1;  ///< from 0; -1 outside the rounds
   int num_rounds = 0;
-  double stage_share = 0;  ///< [0, 1]
-  double run_share = 0;    ///< [0, 1], over all stages
+  double stage_share = 0;           ///< [0, 1]
+  std::optional<double> run_share;  ///< [0, 1], over all stages; nothing for a job without rounds
 };
 
 /// How a run runs, as opposed to what it computes: threads, the stop token, the clock and who listens.
@@ -40,7 +41,6 @@ class RunContext {
 
   /// The times so far; total since construction.
   [[nodiscard]] RunTiming Timing() const;
-  [[nodiscard]] std::stop_token StopToken() const { return stop_; }
 
  private:
   Execution Begin(const std::string& name, int round);

@@ -7,6 +7,7 @@
 #include "config/atomic_file.h"
 #include "config/board_file.h"
 #include "config/board_pdf.h"
+#include "config/read_file.h"
 #include "daemon/cli/run_request.h"
 
 namespace rigcal {
@@ -36,8 +37,13 @@ Result<std::filesystem::path> PrintChart(const ChartArguments& arguments) {
   const Result<std::string> pdf = BoardPdf(*board, paper);
   if (!pdf) return Fail(pdf.error());
   const std::filesystem::path board_file = std::filesystem::path(arguments.out).replace_extension(".toml");
-  if (const Result<void> written = WriteFileAtomically(arguments.out, *pdf); !written) return Fail(written.error());
+  // A scale measured on the print may stand in it.
+  const Result<std::string> there = ReadFile(board_file);
+  if (there && *there != BoardText(*board))
+    return Fail(ErrorCode::kBadInput, "{}: is there already and describes another board; give another --out",
+                board_file.string());
   if (const Result<void> written = SaveBoard(board_file, *board); !written) return Fail(written.error());
+  if (const Result<void> written = WriteFileAtomically(arguments.out, *pdf); !written) return Fail(written.error());
   return board_file;
 }
 

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 
 #include "config/export.h"
@@ -19,6 +20,10 @@ int RunExport(const ExportArguments& arguments) {
   const Result<LoadedCameras> cameras = LoadCamerasUnchanged(arguments.calibration);
   if (!cameras) return FailWith("export", cameras.error());
   const ExportOptions options{*ExportFormatFromName(arguments.format), arguments.undistorted};
+  std::error_code error;
+  if (std::filesystem::equivalent(arguments.calibration, arguments.out, error)) {
+    return FailWith("export", {ErrorCode::kBadInput, arguments.out + ": is the calibration itself and is kept"});
+  }
   const auto notes = Export(cameras->calibration, options, arguments.out);
   if (!notes) return FailWith("export", notes.error());
   for (const std::string& note : *notes) fmt::print(stderr, "rigcal export: note: {}\n", note);

@@ -13,6 +13,8 @@ struct MaskRequest {
   std::string mask_from_name;
 
   [[nodiscard]] MaskSource Source() const;
+  /// Errors: kBadInput: a pattern for names of masks without a folder of them.
+  [[nodiscard]] Result<void> Check() const;
   /// The folder of masks; empty for auto and none.
   [[nodiscard]] std::filesystem::path Folder() const;
 };

@@ -6,9 +6,9 @@
 #include "config/atomic_file.h"
 #include "config/patches_file.h"
 #include "core/mvs/reconstruct.h"
+#include "daemon/cli/number_options.h"
 #include "daemon/cli/progress_line.h"
 #include "daemon/cli/run_request.h"
-#include "daemon/cli/threads_option.h"
 
 namespace rigcal {
 namespace {
@@ -39,6 +39,9 @@ Result<LoadedImages> LoadPictures(const MvsArguments& arguments, const OpenedPic
 
 /// The number of patches written.
 Result<std::size_t> MakePatches(const MvsArguments& arguments, RunContext& context) {
+  if (std::filesystem::is_directory(arguments.out)) {
+    return Fail(ErrorCode::kBadInput, "{}: a file is needed here, this is a folder", arguments.out.string());
+  }
   if (Result<void> ready = PrepareOutputFolder(std::filesystem::absolute(arguments.out).parent_path()); !ready)
     return Fail(ready.error());
   const Result<OpenedPictures> pictures = OpenPictures(arguments.pictures);
@@ -98,7 +101,7 @@ void AddMvsCommand(CLI::App& app, CommandSession& session) {
   command
       ->add_option("--expected-error-px", arguments->expected_error_px,
                    "How many full-size pixels the cameras may be off; 0: they are exact")
-      ->check(CLI::NonNegativeNumber)
+      ->check(NumberWithin(0, 31))
       ->capture_default_str();
   command->callback([arguments, &session] { session.exit_status = RunMvs(*arguments, session); });
 }

@@ -43,9 +43,9 @@ void ProgressLine::Clear() {
 std::string ProgressText(const RunProgress& progress, double elapsed_s) {
   std::string text = progress.stage;
   if (progress.round >= 0) text += fmt::format(", round {} of {}", progress.round + 1, progress.num_rounds);
-  text += fmt::format(": {:.0f} %", 100 * progress.run_share);
-  if (progress.run_share >= kEstimateFromShare) {
-    text += fmt::format(", about {:.0f} s left", elapsed_s * (1 - progress.run_share) / progress.run_share);
+  text += fmt::format(": {:.0f} %", 100 * progress.run_share.value_or(progress.stage_share));
+  if (const double done = progress.run_share.value_or(0); done >= kEstimateFromShare) {
+    text += fmt::format(", about {:.0f} s left", elapsed_s * (1 - done) / done);
   }
   return text;
 }

@@ -6,8 +6,8 @@
 #include "config/recording_check.h"
 #include "config/recording_file.h"
 #include "config/recording_import.h"
+#include "daemon/cli/number_options.h"
 #include "daemon/cli/run_request.h"
-#include "daemon/cli/threads_option.h"
 
 namespace rigcal {
 namespace {

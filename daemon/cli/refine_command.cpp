@@ -3,16 +3,16 @@
 #include <memory>
 
 #include "config/atomic_file.h"
+#include "daemon/cli/number_options.h"
 #include "daemon/cli/progress_line.h"
 #include "daemon/cli/run_request.h"
-#include "daemon/cli/threads_option.h"
 #include "daemon/run_output.h"
 
 namespace rigcal {
 namespace {
 
 int Refine(const RunRequest& request, const CommandSession& session) {
-  if (auto writable = PrepareOutputFolder(request.out); !writable) return FailWith("refine", writable.error());
+  if (auto ready = PrepareResultFolder(request.out, request.cameras); !ready) return FailWith("refine", ready.error());
   ProgressLine line(session.on_terminal, MonotonicSeconds);
   RunContext context(session.stop, NumThreads(request.num_threads), MonotonicSeconds,
                      [&line](const RunProgress& progress) { line.Show(progress); });
@@ -31,19 +31,34 @@ int Refine(const RunRequest& request, const CommandSession& session) {
   return rig->report.validation.verdict == Verdict::kAccepted ? kExitAccepted : kExitNotAccepted;
 }
 
+/// The cameras of before in the order of the judged views. Errors also: kBadInput when one is missing.
+Result<std::optional<RigCalibration>> LoadPrior(const RunRequest& request, const PreparedRun& run) {
+  if (request.prior.empty()) return std::nullopt;
+  auto loaded = LoadCameras(request.prior, run.pictures.naming);
+  if (!loaded) return Fail(loaded.error());
+  RigCalibration prior = loaded->calibration;
+  prior.covariance.reset();
+  prior.views.clear();
+  for (const View& judged : run.cameras.calibration.views) {
+    const auto before = std::ranges::find(loaded->calibration.views, judged.name, &View::name);
+    if (before == loaded->calibration.views.end()) {
+      return Fail(ErrorCode::kBadInput, "{}: has no camera for '{}', which is to be judged", request.prior.string(),
+                  judged.name);
+    }
+    prior.views.push_back(*before);
+  }
+  return prior;
+}
+
 int ValidateCameras(const RunRequest& request, const CommandSession& session) {
   ProgressLine line(session.on_terminal, MonotonicSeconds);
   RunContext context(session.stop, NumThreads(request.num_threads), MonotonicSeconds,
                      [&line](const RunProgress& progress) { line.Show(progress); });
   auto run = PrepareRun(request, context);
   if (!run) return line.Clear(), FailWith("validate", run.error());
-  std::optional<RigCalibration> prior;
-  if (!request.prior.empty()) {
-    auto loaded = LoadCameras(request.prior, run->pictures.naming);
-    if (!loaded) return line.Clear(), FailWith("validate", loaded.error());
-    prior = std::move(loaded->calibration);
-  }
-  auto rig = ValidateRig(run->images.images, run->cameras.calibration, prior, run->options, context);
+  const auto prior = LoadPrior(request, *run);
+  if (!prior) return line.Clear(), FailWith("validate", prior.error());
+  auto rig = ValidateRig(run->images.images, run->cameras.calibration, *prior, run->options, context);
   line.Clear();
   if (!rig) return FailWith("validate", rig.error());
   ReportInput(*run, rig->report);
@@ -67,7 +82,7 @@ void AddRefineCommand(CLI::App& app, CommandSession& session) {
   command->add_option("--rounds", request->num_rounds, "Rounds of stereo, matching, adjustment")
       ->check(CLI::Range(1, 20));
   command->add_option("--holdout", request->holdout_share, "Share of the tracks kept to judge the result")
-      ->check(CLI::Range(0.05, 0.5));
+      ->check(NumberWithin(0.05, 0.5));
   command->callback([request, &session] { session.exit_status = Refine(*request, session); });
 }
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "daemon/cli/threads_option.h"
+#include "daemon/cli/number_options.h"
 
 namespace rigcal {
 namespace {
@@ -72,20 +72,6 @@ Provenance ProvenanceOf(const RunRequest& request, const PreparedRun& run) {
   return p;
 }
 
-const char* MaskKindName(MaskKind kind) {
-  switch (kind) {
-    case MaskKind::kFile:
-      return "file";
-    case MaskKind::kDarkBackground:
-      return "dark";
-    case MaskKind::kStaticBackground:
-      return "static";
-    case MaskKind::kNone:
-      break;
-  }
-  return "none";
-}
-
 }  // namespace
 
 void AddRunOptions(CLI::App& command, RunRequest& request) {
@@ -96,11 +82,11 @@ void AddRunOptions(CLI::App& command, RunRequest& request) {
   command
       .add_option("--expected-error-px", request.expected_error_px,
                   "Er: how many pixels the cameras may be off; estimated from the photographs when absent")
-      ->check(CLI::Range(0.1, 31.0));
+      ->check(NumberWithin(0.1, 31.0));
   AddMaskOptions(command, request.masks);
-  command.add_option("--aspect", request.aspect, "fx / fy of every camera")->check(CLI::Range(0.5, 2.0));
+  command.add_option("--aspect", request.aspect, "fx / fy of every camera")->check(NumberWithin(0.5, 2.0));
   command.add_option("--aspect-sigma", request.aspect_sigma, "How sure that is (1 sigma)")
-      ->check(CLI::Range(1e-6, 1.0));
+      ->check(NumberWithin(1e-6, 1.0));
   command.add_option("--random-seed", request.random_seed, "Seed of every random choice");
   AddThreadsOption(command, request.num_threads);
   command.add_flag("--json", request.json, "Print the report as JSON");
@@ -108,6 +94,7 @@ void AddRunOptions(CLI::App& command, RunRequest& request) {
 
 Result<PreparedRun> PrepareRun(const RunRequest& request, RunContext& context) {
   PreparedRun run;
+  if (auto masks = request.masks.Check(); !masks) return Fail(masks.error());
   auto pictures = OpenPictures(request.pictures);
   if (!pictures) return Fail(pictures.error());
   run.pictures = std::move(*pictures);
@@ -150,16 +137,14 @@ void ReportInput(const PreparedRun& run, RunReport& report) {
   report.notes.insert(report.notes.begin(), run.cameras.notes.begin(), run.cameras.notes.end());
   for (int v = 0; v < run.images.images.NumViews(); ++v) {
     report.masks.push_back(
-        {run.cameras.calibration.views[v].name, MaskKindName(run.images.mask_kind[v]), run.images.object_share[v]});
+        {run.cameras.calibration.views[v].name, NameOf(run.images.mask_kind[v]), run.images.object_share[v]});
   }
 }
 
 std::string VerdictText(const RunReport& report) {
   const ValidationReport& v = report.validation;
-  constexpr const char* kNames[] = {"accepted", "rejected", "inconclusive"};
-  std::string text =
-      fmt::format("verdict: {}\nheld-out tracks: {:.3f} px before, {:.3f} px after ({} tracks)\n",
-                  kNames[static_cast<int>(v.verdict)], v.holdout.before_px, v.holdout.after_px, v.holdout.num_tracks);
+  std::string text = fmt::format("verdict: {}\nheld-out tracks: {:.3f} px before, {:.3f} px after ({} tracks)\n",
+                                 NameOf(v.verdict), v.holdout.before_px, v.holdout.after_px, v.holdout.num_tracks);
   for (const Reason& reason : v.reasons) {
     text +=
         fmt::format("  {}{}: {:.4g} {} against a limit of {:.4g} {}\n", reason.check,

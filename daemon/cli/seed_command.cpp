@@ -7,9 +7,10 @@
 #include "config/recording_file.h"
 #include "config/run_report.h"
 #include "config/seed_report.h"
+#include "daemon/cli/number_options.h"
 #include "daemon/cli/progress_line.h"
 #include "daemon/cli/run_request.h"
-#include "daemon/cli/threads_option.h"
+#include "daemon/run_output.h"
 #include "daemon/seed_run.h"
 
 namespace rigcal {
@@ -56,7 +57,7 @@ Result<OpenedChart> Open(const SeedRequest& request) {
 }
 
 int Seed(const SeedRequest& request, const CommandSession& session) {
-  if (auto writable = PrepareOutputFolder(request.out); !writable) return FailWith("seed", writable.error());
+  if (auto ready = PrepareResultFolder(request.out, ""); !ready) return FailWith("seed", ready.error());
   ProgressLine line(session.on_terminal, MonotonicSeconds);
   RunContext context(session.stop, NumThreads(request.num_threads), MonotonicSeconds,
                      [&line](const RunProgress& progress) { line.Show(progress); });

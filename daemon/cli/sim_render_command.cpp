@@ -3,10 +3,10 @@
 #include <cstdio>
 #include <memory>
 
+#include "daemon/cli/number_options.h"
 #include "daemon/cli/run_request.h"
 #include "daemon/cli/sim_commands.h"
 #include "daemon/cli/sim_folder.h"
-#include "daemon/cli/threads_option.h"
 
 namespace rigcal {
 namespace {

@@ -177,7 +177,8 @@ TEST(StopAngles, BadFiles) {
 TEST(StopAngles, StartAndStepNeedStopsWithoutGaps) {
   EXPECT_THAT(Message(StopAngles("0:10", {"1", "2", "4"})), AllOf(HasSubstr("'2' to '4'"), HasSubstr("gaps")));
   EXPECT_NEAR(StopAngles("0:10", {"10", "20", "30"})->at("30"), 20 * kRadPerDeg, 1e-15);
-  EXPECT_NEAR(StopAngles("-5:-10", {"a", "b", "d"})->at("d"), -25 * kRadPerDeg, 1e-15);
+  EXPECT_THAT(Message(StopAngles("-5:-10", {"s01", "s02", "s04"})), AllOf(HasSubstr("'s01'"), HasSubstr("numbers")));
+  EXPECT_NEAR(StopAngles("-5:-10", {"1", "2", "3"})->at("3"), -25 * kRadPerDeg, 1e-15);
 }
 
 }  // namespace

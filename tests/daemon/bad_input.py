@@ -19,6 +19,8 @@ class Case:
         shutil.copytree(source, folder)
         self.par = folder / "truth_par.txt"
         self.masks = "auto"
+        self.out = folder / "out"
+        self.options = []
 
     def lines(self):
         return self.par.read_text().splitlines()
@@ -34,9 +36,9 @@ class Case:
         return self.folder / self.lines()[1 + view].split()[0]
 
     def refine(self, out=None, source="--images"):
-        out = out or self.folder / "out"
+        out = out or self.out
         command = [self.rigcal, "refine", source, str(self.folder), "--cameras", str(self.par), "--out", str(out),
-                   "--masks", self.masks, "--expected-error-px", "4", "--rounds", "1"]
+                   "--masks", self.masks, "--expected-error-px", "4", "--rounds", "1"] + self.options
         return subprocess.run(command, capture_output=True, text=True, timeout=120)
 
 
@@ -73,7 +75,7 @@ def too_few_numbers(case):
     lines = case.lines()
     lines[3] = " ".join(lines[3].split()[:-1])
     case.par.write_text("\n".join(lines) + "\n")
-    return ["truth_par.txt", "4"]
+    return ["truth_par.txt", "line 4"]
 
 
 def not_a_number(case):
@@ -95,7 +97,7 @@ def looking_away(case):
 def two_views(case):
     lines = case.lines()[1:3]
     case.par.write_text("\n".join(["2"] + lines) + "\n")
-    return ["2", "3"]
+    return ["2 views", "at least 3"]
 
 
 def skew(case):
@@ -113,7 +115,7 @@ def mask_of_wrong_size(case):
     case.masks = str(case.folder / "masks")
     path = case.folder / "masks" / case.image(2).name
     cv2.imwrite(str(path), cv2.imread(str(path))[:-8])
-    return [path.name]
+    return ["masks/" + path.name, "the mask is"]
 
 
 def over_exposed(case):
@@ -123,7 +125,17 @@ def over_exposed(case):
     return [case.image(2).name, "over-exposed", "50 %"]
 
 
-CASES = [missing_image, truncated_png, unreadable_image, differing_size, principal_point_outside, too_few_numbers,
+def out_is_a_recording(case):
+    case.out = case.folder
+    return ["is a recording"]
+
+
+def mask_pattern_without_masks(case):
+    case.options += ["--mask-from-name", "a=b"]
+    return ["--mask-from-name", "folder of masks"]
+
+
+CASES = [out_is_a_recording, mask_pattern_without_masks, missing_image, truncated_png, unreadable_image, differing_size, principal_point_outside, too_few_numbers,
          not_a_number, no_rotation, looking_away, two_views, skew, no_par_file, mask_of_wrong_size,
          over_exposed]
 
@@ -257,6 +269,12 @@ def imports(rigcal, root):
     return good
 
 
+def is_whole(path):
+    if path.suffix == ".json":
+        return bool(json.loads(path.read_text()))
+    return path.stat().st_size > 0
+
+
 def full_disk(case):
     """A results folder on a file system of 12 KiB; skipped where none can be mounted."""
     out = case.folder / "full"
@@ -266,7 +284,7 @@ def full_disk(case):
         return True
     try:
         done = case.refine(out)
-        torn = [p.name for p in out.iterdir() if p.suffix not in (".json", ".ply", ".txt") or p.stat().st_size == 0]
+        torn = [p.name for p in out.iterdir() if p.name.startswith(".") or not is_whole(p)]
         good = judge("full_disk", done, ["space"], case.folder / "out")
         if torn:
             print(f"FAIL full_disk: half-written {torn}")
@@ -292,7 +310,7 @@ def main():
         good &= recordings(rigcal, root)
         case = Case(rigcal, root / "set", root / "unwritable")
         (case.folder / "file").write_text("")
-        good &= judge("unwritable_out", case.refine(case.folder / "file"), ["file"], case.folder / "out")
+        good &= judge("unwritable_out", case.refine(case.folder / "file"), ["a folder is needed"], case.folder / "out")
         good &= full_disk(Case(rigcal, root / "set", root / "full"))
     finally:
         shutil.rmtree(root)
