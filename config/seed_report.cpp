@@ -85,10 +85,10 @@ Json AxisJson(const AxisEstimate& axis, const SeedScene& scene) {
 }
 
 /// The errors of a stop that this kind of positioner has; rotations in degrees.
-Json StopErrorsJson(PositionerKind kind, const StopError& error, const StopError& sigma) {
+Json StopErrorsJson(const Positioner& positioner, const StopError& error, const StopError& sigma) {
   constexpr int kNumRotations = 3;
   Json json = Json::array();
-  const auto names = StopErrorNames(kind);
+  const auto names = StopErrorNames(positioner);
   for (int k = 0; k < kStopErrorSize; ++k) {
     if (*names[k] == '\0') continue;
     const bool turns = k < kNumRotations;
@@ -108,7 +108,7 @@ Json RigJson(const SeedScene& scene, const RigEstimate& rig) {
   for (std::size_t s = 0; s < scene.stops.size(); ++s) {
     json["stops"].push_back(
         {{"id", scene.stops[s].id},
-         {"errors", StopErrorsJson(rig.model.positioner.kind, rig.stop_errors[s], rig.stop_error_sigma[s])}});
+         {"errors", StopErrorsJson(rig.model.positioner, rig.stop_errors[s], rig.stop_error_sigma[s])}});
   }
   return json;
 }

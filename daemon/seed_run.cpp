@@ -50,10 +50,13 @@ Result<void> CheckSeen(const ChartRecording& chart, const SeedScene& scene,
                        const std::vector<ChartDetection>& detections) {
   if (std::ranges::any_of(detections, [](const ChartDetection& d) { return !d.corners.empty(); })) return {};
   for (std::size_t v = 0; v < detections.size(); ++v) {
+    std::string reasons;
     for (const ChartFinding& finding : detections[v].findings) {
-      return Fail(ErrorCode::kBadInput, "{}: none of {} pictures shows the chart; '{}': {}", chart.folder.string(),
-                  detections.size(), scene.views[v].name, finding.message);
+      (reasons += reasons.empty() ? "" : "; ") += finding.message;
     }
+    if (reasons.empty()) continue;
+    return Fail(ErrorCode::kBadInput, "{}: none of {} pictures shows the chart; '{}': {}", chart.folder.string(),
+                detections.size(), scene.views[v].name, reasons);
   }
   return Fail(ErrorCode::kBadInput, "{}: none of {} pictures shows the chart", chart.folder.string(),
               detections.size());

@@ -4,12 +4,17 @@
 
 namespace rigcal {
 
-std::array<const char*, kStopErrorSize> StopErrorNames(PositionerKind kind) {
-  switch (kind) {
+std::array<const char*, kStopErrorSize> StopErrorNames(const Positioner& positioner) {
+  switch (positioner.kind) {
     case PositionerKind::kTurntable:
       return {"wobble about x", "wobble about y", "step error", "run-out along x", "run-out along y", "lift"};
     case PositionerKind::kGantry:
-      return {"", "", "", "position error of axis 1", "position error of axis 2", "position error of axis 3"};
+      return {"",
+              "",
+              "",
+              "position error of axis 1",
+              positioner.num_axes > 1 ? "position error of axis 2" : "",
+              positioner.num_axes > 2 ? "position error of axis 3" : ""};
     case PositionerKind::kArm:
       break;
   }

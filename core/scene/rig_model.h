@@ -28,9 +28,6 @@ inline constexpr int kStopErrorSize = 6;
 ///   arm:       about x, y, z and along x, y, z of the flange
 using StopError = Eigen::Matrix<double, kStopErrorSize, 1>;
 enum TurntableError { kWobbleX, kWobbleY, kStep, kRunOutX, kRunOutY, kLift };
-/// Names of the components, for reports; empty for one that the kind does not have.
-std::array<const char*, kStopErrorSize> StopErrorNames(PositionerKind kind);
-
 inline constexpr int kMaxGantryAxes = 3;
 
 /// The moving part of the studio: what a stop's position means.
@@ -45,6 +42,9 @@ struct Positioner {
   Eigen::Matrix3d axes_in_stage = Eigen::Matrix3d::Identity();
   int num_axes = 0;  ///< gantry only
 };
+
+/// Names of a stop error's components, for reports; empty for one that the positioner does not have.
+std::array<const char*, kStopErrorSize> StopErrorNames(const Positioner& positioner);
 
 /// Positioner, cameras and how exactly it all repeats (DESIGN.md section 5). `world` is fixed to the object; with a
 /// turntable it is the table: z is the axis, the origin lies on it at table height. `stage` is the studio; `mount` what

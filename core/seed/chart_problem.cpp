@@ -16,6 +16,7 @@ constexpr int kMaxIterations = 100;
 /// Relative decrease of the cost at which the solution counts as found: 1e-10 of some 10^4 squared sigmas is far below
 /// what moves any parameter by a hundredth of its sigma.
 constexpr double kFunctionTolerance = 1e-10;
+constexpr double kExactScale = 1e-9;  ///< stands for an axis_scale_sigma of 0: a nanometre in a metre
 
 Eigen::Matrix2d WhiteningOf(const ChartCorner& corner, double scale) {
   const Eigen::Matrix2d lower = corner.covariance_px2.llt().matrixL();
@@ -124,7 +125,7 @@ struct ChartProblem::Blocks {
     for (int k = 0; k < rig.positioner.num_axes; ++k) {  // length 1: to first order, the component along the axis
       const Eigen::Vector3d along = rig.positioner.axes_in_stage.col(k).normalized();
       Eigen::MatrixXd row = Eigen::MatrixXd::Zero(1, kAxesBlockSize);
-      row.block<1, 3>(0, 3 * k) = along.transpose() / rig.axis_scale_sigma;
+      row.block<1, 3>(0, 3 * k) = along.transpose() / std::max(rig.axis_scale_sigma, kExactScale);
       Eigen::VectorXd unit = Eigen::VectorXd::Zero(kAxesBlockSize);
       unit.segment<3>(3 * k) = along;
       AddPrior(row, unit, nullptr, axes.data());

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include "core/base/median.h"
@@ -52,7 +53,8 @@ std::vector<FoundTag> WholeTags(const std::vector<RefinedTag>& tags) {
   return whole;
 }
 
-void CollectCorners(const Board& board, const std::vector<RefinedTag>& tags, ChartDetection& detection) {
+void CollectCorners(const Board& board, const std::vector<RefinedTag>& tags, const std::set<int>& predicted_ids,
+                    ChartDetection& detection) {
   std::vector<double> blurs;
   for (const RefinedTag& tag : tags) {
     for (int k = 0; k < kCornersPerTag; ++k) {
@@ -63,8 +65,12 @@ void CollectCorners(const Board& board, const std::vector<RefinedTag>& tags, Cha
   }
   detection.blur_px = Median(blurs);
   DropStrays(board, detection.corners);
-  for (std::size_t i = 0; i < detection.corners.size(); ++i)
-    if (i == 0 || detection.corners[i].tag_id != detection.corners[i - 1].tag_id) ++detection.num_tags;
+  for (std::size_t i = 0; i < detection.corners.size(); ++i) {
+    const int id = detection.corners[i].tag_id;
+    if (i > 0 && id == detection.corners[i - 1].tag_id) continue;
+    ++detection.num_tags;
+    if (predicted_ids.contains(id)) ++detection.num_predicted;
+  }
   const std::size_t expected = tags.size() * kCornersPerTag, lost = expected - detection.corners.size();
   if (lost == 0) return;
   const bool unusable = static_cast<double>(detection.corners.size()) < kMinTrusted * static_cast<double>(expected);
@@ -92,13 +98,15 @@ Result<ChartDetection> DetectChart(const cv::Mat1f& picture, const Board& board,
   ChartDetection detection;
   detection.findings = std::move(judged.findings);
   if (judged.tags.empty()) {
-    if (detection.findings.empty() && options.diagnose) detection.findings.push_back(ExplainAbsence(encoded, board));
+    const bool explained = std::ranges::any_of(detection.findings, &ChartFinding::unusable);
+    if (!explained && options.diagnose) detection.findings.push_back(ExplainAbsence(encoded, board));
     return detection;
   }
   std::vector<FoundTag> tags = std::move(judged.tags);
+  std::set<int> predicted_ids;
   if (options.predict) {
     const std::vector<FoundTag> predicted = PredictTags(picture, board, *family, tags);
-    detection.num_predicted = static_cast<int>(predicted.size());
+    for (const FoundTag& tag : predicted) predicted_ids.insert(tag.id);
     tags.insert(tags.end(), predicted.begin(), predicted.end());
     std::sort(tags.begin(), tags.end(), [](const FoundTag& a, const FoundTag& b) { return a.id < b.id; });
   }
@@ -109,7 +117,7 @@ Result<ChartDetection> DetectChart(const cv::Mat1f& picture, const Board& board,
     detection.findings.push_back(*std::move(wrong));
     return detection;
   }
-  CollectCorners(board, refined, detection);
+  CollectCorners(board, refined, predicted_ids, detection);
   // Tags that look like the board's, but have no corner of the kind: most likely another board.
   if (detection.corners.empty() && options.diagnose) detection.findings.push_back(ExplainAbsence(encoded, board));
   return detection;

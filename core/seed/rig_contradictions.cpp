@@ -17,7 +17,7 @@ constexpr double kMisfitRatio = 2.5;
 /// Sigma of a stop error that lost its prior, in sizes of the error found.
 constexpr double kReleasedSigmas = 100;
 /// Root mean square of the stops' errors over their stated sigma above which the rig file understates them: with six
-/// stops chance exceeds it once in 10^4.
+/// stops chance exceeds it once in 2000 for each component.
 constexpr double kUnderstatedRatio = 2;
 constexpr int kLeastStopsToJudge = 6;
 
@@ -41,8 +41,10 @@ std::set<int> CamerasAt(const ChartTerms& terms, int stop) {
 std::vector<std::string> ReleaseSlippedStops(const SeedScene& scene, const SeedOptions& options,
                                              const ChartState& state, ChartTerms& terms) {
   std::vector<std::string> sentences;
-  const auto names = StopErrorNames(scene.rig->positioner.kind);
+  const auto names = StopErrorNames(scene.rig->positioner);
   for (std::size_t s = 0; s < terms.stops.size(); ++s) {
+    const std::set<int> cameras = CamerasAt(terms, static_cast<int>(s));
+    if (cameras.empty()) continue;  // all its views were taken out, and that was said
     int worst = -1;
     double worst_ratio = options.contradiction_sigmas;
     for (int k = 0; k < kStopErrorSize; ++k) {
@@ -52,12 +54,11 @@ std::vector<std::string> ReleaseSlippedStops(const SeedScene& scene, const SeedO
       }
     }
     if (worst < 0) continue;
-    const std::set<int> cameras = CamerasAt(terms, static_cast<int>(s));
     const std::string fault =
         cameras.size() > 1
             ? "the positioner slipped or was moved there"
             : fmt::format("the positioner slipped or camera {} moved, which one camera alone cannot tell",
-                          cameras.empty() ? "" : scene.cameras[*cameras.begin()].id);
+                          scene.cameras[*cameras.begin()].id);
     sentences.push_back(fmt::format("stop {}: {} of {}, {:.0f} times what the rig states ({}): {}", terms.stops[s].id,
                                     names[worst], WithUnit(state.stop_errors[s][worst], worst), worst_ratio,
                                     WithUnit(terms.stop_error_sigma[s][worst], worst), fault));
@@ -136,7 +137,7 @@ std::vector<std::string> TakeOutContradictions(const SeedScene& scene, const See
 
 std::vector<std::string> UnderstatedErrors(const SeedScene& scene, const ChartTerms& terms, const ChartState& state) {
   std::vector<std::string> sentences;
-  const auto names = StopErrorNames(scene.rig->positioner.kind);
+  const auto names = StopErrorNames(scene.rig->positioner);
   std::vector<bool> seen(terms.stops.size(), false);
   for (const ChartView& view : terms.views) {
     if (view.stop && !view.corners.empty()) seen[*view.stop] = true;

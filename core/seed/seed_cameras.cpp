@@ -5,6 +5,7 @@
 
 #include "core/rig/camera_information.h"
 #include "core/seed/chart_problem.h"
+#include "core/seed/check_board.h"
 #include "core/seed/corner_noise.h"
 #include "core/seed/rig_contradictions.h"
 #include "core/seed/seed_advice.h"
@@ -27,10 +28,7 @@ constexpr int kNoiseRounds = 3;          ///< of the final fit: the scale moves 
 Result<void> CheckScene(const SeedScene& scene) {
   const auto num_cameras = static_cast<int>(scene.cameras.size());
   const auto num_stops = static_cast<int>(scene.stops.size());
-  if (scene.board.NumTags() <= 0 || !(scene.board.tag_m > 0) || scene.board.gap_m < 0) {
-    return Fail(ErrorCode::kBadInput, "the chart has {} x {} tags of {} m, {} m apart: nothing to calibrate with",
-                scene.board.columns, scene.board.rows, scene.board.tag_m, scene.board.gap_m);
-  }
+  if (const Result<void> board = CheckBoard(scene.board); !board) return Fail(board.error());
   for (const SeedView& view : scene.views) {
     if (view.camera < 0 || view.camera >= num_cameras) {
       return Fail(ErrorCode::kBadInput, "view {}: there is no camera {}", view.name, view.camera);
@@ -111,6 +109,7 @@ Result<int> FitRobustly(const Execution& execution, ChartTerms& terms, ChartStat
 Result<int> FitFinally(const SeedOptions& options, const Execution& execution, ChartTerms& terms, ChartState& state) {
   int iterations = 0;
   for (int round = 0; round < kNoiseRounds; ++round) {
+    if (execution.Stopped()) return Cancelled("seeding");
     ChartProblem problem(terms, {.corner_huber = options.huber_sigmas}, state);
     const Result<int> solved = problem.Solve(execution, state);
     if (!solved) return Fail(solved.error());
@@ -166,15 +165,24 @@ void ReportResiduals(const ChartTerms& terms, const ChartState& state, SeedRepor
   report.rms_px = std::sqrt(sum2 / std::max(1, count));
 }
 
-/// Why a calibration must not be used; the worst camera and view are named.
+/// Index of the camera's view with the largest residuals.
+int WorstView(const SeedScene& scene, int camera, const SeedReport& report) {
+  int worst = -1;
+  for (int v = 0; v < static_cast<int>(scene.views.size()); ++v) {
+    if (scene.views[v].camera != camera) continue;
+    if (worst < 0 || report.view_rms_px[v] > report.view_rms_px[worst]) worst = v;
+  }
+  return worst;
+}
+
+/// Why a calibration must not be used; the first camera that fails and its worst view are named.
 Result<void> CheckFit(const SeedScene& scene, const SeedOptions& options, const SeedReport& report) {
   /// More corners than this grossly wrong: what is left is a choice, not a measurement.
   constexpr double kMaxOutlierShare = 0.1;
-  const auto worst =
-      std::max_element(report.view_rms_px.begin(), report.view_rms_px.end()) - report.view_rms_px.begin();
   for (std::size_t c = 0; c < report.cameras.size(); ++c) {
     const SeedCameraReport& camera = report.cameras[c];
     if (camera.rms_px > options.max_rms_px) {
+      const int worst = WorstView(scene, static_cast<int>(c), report);
       return Fail(
           ErrorCode::kBadInput,
           "camera {}: the chart's corners are {:.2f} px (RMS) from where the calibration puts them, {:.2f} px are "

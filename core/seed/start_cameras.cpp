@@ -115,22 +115,27 @@ Result<ChartState> StartCameras(const SeedScene& scene, const SeedOptions& optio
       flat.push_back(std::move(agreeing));
       view_of.push_back(v);
     }
-    if (static_cast<int>(flat.size()) < options.min_views_per_camera) {
+    const auto too_few = [&](std::size_t num_views) {
       return Fail(ErrorCode::kBadInput,
                   "camera {}: {} views show at least {} corners of the chart that agree, {} are needed", known.id,
-                  flat.size(), options.min_corners_per_view, options.min_views_per_camera);
-    }
+                  num_views, options.min_corners_per_view, options.min_views_per_camera);
+    };
+    const auto least = static_cast<std::size_t>(options.min_views_per_camera);
+    if (flat.size() < least) return too_few(flat.size());
+    std::size_t num_posed = 0;
     try {
       state.cameras.push_back(StartCamera(known, flat));
       for (std::size_t i = 0; i < flat.size(); ++i) {
+        if (execution.Stopped()) return Cancelled("seeding");
         const std::optional<Rigid3d> pose = StartPose(state.cameras.back(), flat[i]);
-        if (pose) state.cam_from_board[view_of[i]] = *pose;
+        if (pose) state.cam_from_board[view_of[i]] = *pose, ++num_posed;
         if (!pose) views[view_of[i]].corners.clear();
       }
     } catch (const cv::Exception& exception) {
       return Fail(ErrorCode::kBadInput, "camera {}: its {} views of the chart do not determine a lens ({})", known.id,
                   flat.size(), exception.err);
     }
+    if (num_posed < least) return too_few(num_posed);
   }
   return state;
 }

@@ -135,6 +135,18 @@ Result<void> StartGantry(const ChartTerms& terms, const StopSightings& seen, Cha
   return {};
 }
 
+/// How far the poses turn about axes other than their main one, together.
+double TurnAboutSecondAxis_rad(const ChartTerms& terms, const Positioner& arm, const std::vector<int>& views) {
+  Eigen::MatrixXd turns(static_cast<Eigen::Index>(views.size()), 3);
+  const Eigen::Quaterniond first = MountFromWorldAt(terms, arm, views.front()).rotation;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const Eigen::Quaterniond turn = MountFromWorldAt(terms, arm, views[i]).rotation * first.conjugate();
+    turns.row(static_cast<Eigen::Index>(i)) = LogRotation(turn).transpose();
+  }
+  const Eigen::VectorXd sizes = Eigen::JacobiSVD<Eigen::MatrixXd>(turns).singularValues();
+  return sizes.size() > 1 ? sizes[1] : 0;
+}
+
 /// Hand-eye: cam_from_world = cam_from_mount * (motion at the stop) * anchor_from_world, by OpenCV.
 Result<void> StartArm(const ChartTerms& terms, const StopSightings& seen, ChartState& state) {
   Positioner& arm = state.rig.positioner;
@@ -152,7 +164,9 @@ Result<void> StartArm(const ChartTerms& terms, const StopSightings& seen, ChartS
   }
   cv::Mat r, t;
   try {
-    cv::calibrateHandEye(hand_r, hand_t, target_r, target_t, r, t, cv::CALIB_HAND_EYE_PARK);
+    // With turns about one axis OpenCV takes their noise for a second.
+    if (TurnAboutSecondAxis_rad(terms, arm, seen.views) >= kLeastTurn_rad)
+      cv::calibrateHandEye(hand_r, hand_t, target_r, target_t, r, t, cv::CALIB_HAND_EYE_PARK);
   } catch (const cv::Exception&) {
     r.release();
   }

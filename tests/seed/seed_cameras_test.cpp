@@ -106,7 +106,9 @@ TEST(SeedCameras, OfASingleCameraThatMovedItSaysThatItCannotBeDecided) {
   }
   const Result<SeedResult> result = SeedCameras(studio.scene, {}, {});
   ASSERT_TRUE(result) << result.error().message;
-  EXPECT_THAT(result->report.contradictions, Contains(HasSubstr("cannot")));
+  EXPECT_THAT(result->report.contradictions,
+              Contains(testing::AllOf(HasSubstr("camera cam0"), HasSubstr("cannot be decided"))));
+  EXPECT_THAT(result->report.contradictions, testing::Each(HasSubstr("camera cam0")));
 }
 
 TEST(SeedCameras, TurningTheOtherWayContradicts) {
@@ -168,11 +170,34 @@ TEST(SeedCameras, RecoversAnArm) {
   ExpectMountsRecovered(ArmStudio(14, PositionerLoad::kObject));
 }
 
+TEST(SeedCameras, AnArmThatTurnsAboutOneAxisDoesNotDetermineItsHandEye) {
+  Studio studio = ArmStudio(19, PositionerLoad::kObject);
+  Random random(1);
+  const Rigid3d first = *studio.scene.stops[0].base_from_flange;
+  for (std::size_t s = 0; s < studio.scene.stops.size(); ++s) {
+    const double angle_rad = 2 * kDegree * static_cast<double>(s);
+    const Eigen::Vector3d noise = 2e-4 * Eigen::Vector3d(random.Normal(), random.Normal(), random.Normal());
+    studio.scene.stops[s].base_from_flange = first * Rigid3d{ExpRotation(Eigen::Vector3d(0, 0, angle_rad) + noise), {}};
+  }
+  const Result<SeedResult> refused = SeedCameras(studio.scene, {}, {});
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("turned about different axes"));
+}
+
+TEST(SeedCameras, AnExactGantryIsNoDivisionByZero) {
+  Studio studio = GantryStudio(20, PositionerLoad::kCameras);
+  studio.scene.rig->axis_scale_sigma = 0;
+  const Result<SeedResult> result = SeedCameras(studio.scene, {}, {});
+  ASSERT_TRUE(result) << result.error().message;
+  for (int k = 0; k < 2; ++k) EXPECT_NEAR(result->rig->model.positioner.axes_in_stage.col(k).norm(), 1, 1e-6);
+}
+
 TEST(SeedCameras, RefusesWhatDoesNotFit) {
   const Studio noisy = TurntableStudio(15, {.num_stops = 6, .hand_held_per_camera = 6, .noise_px = 0.6});
   const Result<SeedResult> refused = SeedCameras(noisy.scene, {}, {});
   ASSERT_FALSE(refused);
-  EXPECT_THAT(refused.error().message, HasSubstr("0.50 px are allowed"));
+  EXPECT_THAT(refused.error().message, testing::AllOf(HasSubstr("camera cam0"), HasSubstr("0.50 px are allowed"),
+                                                      HasSubstr("worst view cam0_")));
 
   Studio blind = TurntableStudio(16, {.num_stops = 6, .hand_held_per_camera = 6});
   for (ChartSighting& sighting : blind.scene.sightings) {
