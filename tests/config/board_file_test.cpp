@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/config/refusals.h"
 #include "tests/config/temporary_folder.h"
 
 namespace rigcal {
@@ -13,10 +14,6 @@ using ::testing::HasSubstr;
 constexpr const char* kKalibr =
     "family = \"tag36h11\"\nborder_bits = 2\ncolumns = 6\nrows = 6\ntag_m = 0.088\ngap_m = 0.0264\n"
     "first_id = 0\nthickness_m = 0.004\n";
-
-std::string Replaced(std::string text, const std::string& from, const std::string& to) {
-  return text.replace(text.find(from), from.size(), to);
-}
 
 void ExpectRefused(const std::string& text, const std::vector<std::string>& parts) {
   const Result<Board> board = ParseBoard(text, "board.toml");

@@ -5,6 +5,7 @@
 
 #include "core/base/random.h"
 #include "tests/config/example_rig.h"
+#include "tests/config/refusals.h"
 
 namespace rigcal {
 namespace {
@@ -12,14 +13,10 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-std::string Message(const Result<void>& checked) {
-  return checked ? "fine" : checked.error().message;
-}
-
 const Rigid3d kAboutFace{Eigen::Quaterniond(0, 0, 1, 0), Eigen::Vector3d::Zero()};  // half a turn about the camera's y
 
 TEST(CheckViews, RingThatLooksInwardsIsFine) {
-  for (int num_views : {3, 16}) EXPECT_EQ(Message(CheckViewsMeet(ExampleRing(num_views))), "fine");
+  for (int num_views : {3, 16}) EXPECT_EQ(Message(CheckViewsMeet(ExampleRing(num_views))), kNoError);
 }
 
 TEST(CheckViews, RoughPosesAreFine) {
@@ -31,7 +28,7 @@ TEST(CheckViews, RoughPosesAreFine) {
       for (int i = 0; i < 6; ++i) delta[i] = 0.03 * random.Normal();
       view.cam_from_world = Disturbed(view.cam_from_world, delta);
     }
-    EXPECT_EQ(Message(CheckViewsMeet(ring)), "fine");
+    EXPECT_EQ(Message(CheckViewsMeet(ring)), kNoError);
   }
 }
 
@@ -58,8 +55,8 @@ RigCalibration Row(const std::vector<double>& turn_rad) {
 }
 
 TEST(CheckViews, ParallelCamerasAreFine) {
-  EXPECT_EQ(Message(CheckViewsMeet(Row({0, 0, 0, 0}))), "fine");
-  EXPECT_EQ(Message(CheckViewsMeet(Row({-0.01, 0, 0.01}))), "fine");
+  EXPECT_EQ(Message(CheckViewsMeet(Row({0, 0, 0, 0}))), kNoError);
+  EXPECT_EQ(Message(CheckViewsMeet(Row({-0.01, 0, 0.01}))), kNoError);
 }
 
 TEST(CheckViews, ViewWithoutCommonVolumeIsNamed) {

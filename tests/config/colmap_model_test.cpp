@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/config/refusals.h"
 #include "tests/config/temporary_folder.h"
 
 namespace rigcal {
@@ -16,10 +17,6 @@ constexpr const char* kImages =
     "10.5 20.5 -1 11 21 3\n"
     "2 0.7071067811865476 0 0 0.7071067811865476 0 0 1 7 b.png\n"
     "\n";
-
-std::string Message(const Result<std::vector<CameraRecord>>& records) {
-  return records ? "read" : records.error().message;
-}
 
 TEST(ColmapModel, CornerOriginBecomesCentreOrigin) {
   const auto records = ParseColmapModel("7 PINHOLE 640 480 1500 1510 320 240\n", kImages, "model");

@@ -7,6 +7,7 @@
 #include "config/middlebury.h"
 #include "core/base/random.h"
 #include "tests/config/example_rig.h"
+#include "tests/config/refusals.h"
 #include "tests/config/temporary_folder.h"
 
 namespace rigcal {
@@ -31,10 +32,6 @@ std::string ThreeLines() {
 Result<LoadedCameras> LoadText(const std::string& text, const CameraFileOptions& options = {}) {
   const TemporaryFolder folder;
   return LoadCameras(folder.Write("cams_par.txt", text), options);
-}
-
-std::string Message(const Result<LoadedCameras>& loaded) {
-  return loaded ? "loaded" : loaded.error().message;
 }
 
 TEST(LoadMiddlebury, ReadsCamerasAndPoses) {

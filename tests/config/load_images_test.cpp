@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "tests/config/example_rig.h"
+#include "tests/config/refusals.h"
 #include "tests/config/temporary_folder.h"
 
 namespace rigcal {
@@ -54,7 +55,6 @@ class LoadImagesTest : public ::testing::Test {
   [[nodiscard]] ImageOptions WithMasks() const {
     return {.masks = MaskSource::kFolder, .mask_folder = folder_.Path() / "masks"};
   }
-  std::string Message(const Result<LoadedImages>& loaded) { return loaded ? "loaded" : loaded.error().message; }
 
   TemporaryFolder folder_;
   RigCalibration ring_ = ExampleRing(4);

@@ -5,6 +5,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "tests/config/refusals.h"
 #include "tests/config/temporary_folder.h"
 
 namespace rigcal {
@@ -13,10 +14,6 @@ namespace {
 using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-
-std::string Message(const Result<std::vector<std::filesystem::path>>& masks) {
-  return masks ? "found" : masks.error().message;
-}
 
 TEST(MaskFiles, SameStemAnyExtension) {
   const TemporaryFolder folder;

@@ -14,6 +14,7 @@
 #include "config/recording_writer.h"
 #include "core/base/ensure.h"
 #include "tests/config/example_recording.h"
+#include "tests/config/refusals.h"
 #include "tests/config/schema_check.h"
 #include "tests/config/temporary_folder.h"
 
@@ -24,17 +25,6 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-
-template <typename T>
-std::string Message(const Result<T>& result) {
-  return result ? "no error" : result.error().message;
-}
-
-std::string Replaced(std::string text, const std::string& from, const std::string& to) {
-  const std::size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return at == std::string::npos ? text : text.replace(at, from.size(), to);
-}
 
 TEST(RecordingText, ReadsBackTheSame) {
   const Recording written = ExampleRecording();

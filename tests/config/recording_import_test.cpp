@@ -9,6 +9,7 @@
 #include "config/recording_check.h"
 #include "config/stop_angles.h"
 #include "tests/config/example_recording.h"
+#include "tests/config/refusals.h"
 #include "tests/config/temporary_folder.h"
 
 namespace rigcal {
@@ -20,11 +21,6 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 constexpr double kRadPerDeg = std::numbers::pi / 180;
-
-template <typename T>
-std::string Message(const Result<T>& result) {
-  return result ? "no error" : result.error().message;
-}
 
 /// Two cameras at the stops 9, 10 and 11 of a table; and a text.
 class ImportTest : public ::testing::Test {

@@ -5,6 +5,8 @@
 
 #include <numbers>
 
+#include "tests/config/refusals.h"
+
 namespace rigcal {
 namespace {
 
@@ -16,10 +18,6 @@ constexpr const char* kTurntable =
 constexpr const char* kGantry =
     "[positioner]\nkind = \"gantry\"\ncarries = \"cameras\"\naxes = [\"x\", \"z\"]\nposition_sigma_m = 2e-5\n";
 constexpr const char* kArm = "[positioner]\nkind = \"arm\"\ncarries = \"object\"\nrotation_sigma_deg = 0.01\n";
-
-std::string Replaced(std::string text, const std::string& from, const std::string& to) {
-  return text.replace(text.find(from), from.size(), to);
-}
 
 void ExpectRefused(const std::string& text, const std::vector<std::string>& parts) {
   const Result<RigFile> rig = ParseRig(text, "rig.toml");
