@@ -1,13 +1,11 @@
 #include "config/board_file.h"
 
-#include <algorithm>
 #include <array>
 #include <limits>
 #include <optional>
 #include <variant>
 
 #include "config/atomic_file.h"
-#include "config/read_file.h"
 #include "config/toml_content.h"
 #include "core/seed/check_board.h"
 #include "core/seed/tag_family.h"
@@ -82,12 +80,9 @@ Result<Board> ParseBoard(std::string_view text, const std::string& file) {
   const Result<toml::table> parsed = ParseToml(text, file);
   if (!parsed) return Fail(parsed.error());
   const toml::table& table = *parsed;
-  for (const auto& [name, node] : table)
-    if (std::none_of(kKeys.begin(), kKeys.end(), [&](const Key& key) { return key.name == name.str(); }))
-      return Fail(ErrorCode::kBadInput,
-                  "{} is no key of a board file; known are family, border_bits, columns, rows, tag_m, gap_m, first_id, "
-                  "thickness_m",
-                  KeyPlace(file, node, name.str()));
+  std::vector<std::string> known;
+  for (const Key& key : kKeys) known.emplace_back(key.name);
+  if (auto checked = CheckKeys(table, file, "a board file", known); !checked) return Fail(checked.error());
   Board board;
   for (const Key& key : kKeys) {
     const toml::node* node = table.get(key.name);
@@ -102,12 +97,6 @@ Result<Board> ParseBoard(std::string_view text, const std::string& file) {
     return Fail(ErrorCode::kBadInput, "{} line {}: {}", file, line, checked.error().message);
   }
   return board;
-}
-
-Result<Board> LoadBoard(const std::filesystem::path& path) {
-  const Result<std::string> text = ReadFile(path);
-  if (!text) return Fail(text.error());
-  return ParseBoard(*text, path.string());
 }
 
 std::string BoardText(const Board& board) {

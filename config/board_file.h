@@ -15,9 +15,6 @@ namespace rigcal {
 /// (CheckBoard), a spacing ratio given as a length.
 Result<Board> ParseBoard(std::string_view text, const std::string& file);
 
-/// The same from a file. Errors also: kNotFound, kIo.
-Result<Board> LoadBoard(const std::filesystem::path& path);
-
 /// The text of a board.toml with every key. Reads back as the same board.
 std::string BoardText(const Board& board);
 

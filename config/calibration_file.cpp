@@ -46,11 +46,7 @@ Json CamerasJson(const RigCalibration& calibration) {
     Json json = {{"id", camera.id}, {"physical_id", camera.physical_id}};
     json["width_px"] = camera.width_px, json["height_px"] = camera.height_px;
     json.update(IntrinsicsJson(camera.Intrinsics()));
-    if (calibration.covariance) {
-      const Eigen::VectorXd variance = calibration.covariance->joint.diagonal();
-      const int row = CalibrationCovariance::IntrinsicsRow(c);
-      json["sigma"] = IntrinsicsJson(variance.segment<kNumIntrinsics>(row).cwiseMax(0).cwiseSqrt());
-    }
+    if (calibration.covariance) json["sigma"] = IntrinsicsJson(calibration.covariance->IntrinsicsSigma(c));
     cameras.push_back(std::move(json));
   }
   return cameras;

@@ -5,8 +5,8 @@
 #include <numbers>
 #include <optional>
 
-#include "config/read_file.h"
 #include "config/toml_content.h"
+#include "core/base/joined.h"
 
 namespace rigcal {
 namespace {
@@ -50,8 +50,9 @@ template <typename Value, std::size_t kCount>
 Result<Value> WordFrom(const toml::table& table, std::string_view key, const std::string& file,
                        const std::array<std::pair<std::string_view, Value>, kCount>& words,
                        std::optional<Value> fallback) {
-  std::string known;
-  for (const auto& [word, value] : words) known += fmt::format("{}\"{}\"", known.empty() ? "" : ", ", word);
+  std::vector<std::string> quoted;
+  for (const auto& [word, value] : words) quoted.push_back(fmt::format("\"{}\"", word));
+  const std::string known = Joined(quoted, ", ");
   const toml::node* node = table.get(key);
   if (node == nullptr && fallback) return *fallback;
   if (node == nullptr) return Fail(ErrorCode::kBadInput, "{}: positioner.{} is missing, one of {}", file, key, known);
@@ -99,25 +100,14 @@ RigModel ModelOf(PositionerKind kind, PositionerLoad load, int num_axes) {
   return Arm(load);
 }
 
-std::vector<std::string_view> KeysOf(PositionerKind kind) {
-  std::vector<std::string_view> keys = {"kind", "carries"};
+std::vector<std::string> KeysOf(PositionerKind kind) {
+  std::vector<std::string> keys = {"kind", "carries"};
   if (kind != PositionerKind::kArm) keys.emplace_back("axes");
   for (const SigmaKey& key : kSigmas) {
-    if (key.kind == kind) keys.push_back(key.name);
+    if (key.kind == kind) keys.emplace_back(key.name);
   }
-  if (kind == PositionerKind::kGantry) keys.push_back(kAxisScale);
+  if (kind == PositionerKind::kGantry) keys.emplace_back(kAxisScale);
   return keys;
-}
-
-Result<void> CheckKeys(const toml::table& table, const std::string& file, const std::string& what,
-                       const std::vector<std::string_view>& known) {
-  for (const auto& [name, node] : table) {
-    if (std::ranges::find(known, name.str()) != known.end()) continue;
-    std::string list;
-    for (const std::string_view key : known) (list += list.empty() ? "" : ", ") += key;
-    return Fail(ErrorCode::kBadInput, "{} is no key of {}; known are {}", KeyPlace(file, node, name.str()), what, list);
-  }
-  return {};
 }
 
 Result<void> ReadSigmas(const toml::table& table, const std::string& file, RigFile& rig) {
@@ -179,12 +169,6 @@ Result<RigFile> ParseRig(std::string_view text, const std::string& file) {
   RigFile rig{ModelOf(*kind, *load, static_cast<int>(axes->size())), std::move(*axes)};
   if (auto read = ReadSigmas(*table, file, rig); !read) return Fail(read.error());
   return rig;
-}
-
-Result<RigFile> LoadRig(const std::filesystem::path& path) {
-  const Result<std::string> text = ReadFile(path);
-  if (!text) return Fail(text.error());
-  return ParseRig(*text, path.string());
 }
 
 Result<std::vector<StopPosition>> StopPositions(const Recording& recording, const RigFile& rig,

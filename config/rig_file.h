@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,9 +19,6 @@ struct RigFile {
 /// `file` names it in messages, which tell line, key and allowed range. Errors: kBadInput: not TOML, a key that is
 /// unknown, missing or not one of this kind of positioner, a value of the wrong type or out of range.
 Result<RigFile> ParseRig(std::string_view text, const std::string& file);
-
-/// The same from a file. Errors also: kNotFound, kIo.
-Result<RigFile> LoadRig(const std::filesystem::path& path);
 
 /// Where the positioner stood at each stop of a recording: as reported, or as commanded where it does not report.
 /// `recording_name` names it in messages. Errors: kBadInput with the stop: an axis of the rig or an arm's pose is

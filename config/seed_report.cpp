@@ -16,9 +16,7 @@ constexpr int kVersion = 1;
 constexpr double kDegPerRad = 180 / std::numbers::pi;
 
 IntrinsicVector SigmaOf(const RigCalibration& calibration, int camera) {
-  if (!calibration.covariance) return IntrinsicVector::Zero();
-  const int row = CalibrationCovariance::IntrinsicsRow(camera);
-  return calibration.covariance->joint.diagonal().segment<kNumIntrinsics>(row).cwiseMax(0).cwiseSqrt();
+  return calibration.covariance ? calibration.covariance->IntrinsicsSigma(camera) : IntrinsicVector::Zero();
 }
 
 Json CamerasJson(const SeedResult& seed) {

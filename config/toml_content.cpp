@@ -1,5 +1,9 @@
 #include "config/toml_content.h"
 
+#include <algorithm>
+
+#include "core/base/joined.h"
+
 namespace rigcal {
 
 Result<toml::table> ParseToml(std::string_view text, const std::string& file) {
@@ -11,6 +15,16 @@ Result<toml::table> ParseToml(std::string_view text, const std::string& file) {
 
 std::string KeyPlace(const std::string& file, const toml::node& node, std::string_view key) {
   return fmt::format("{} line {}: {}", file, node.source().begin.line, key);
+}
+
+Result<void> CheckKeys(const toml::table& table, const std::string& file, std::string_view what,
+                       const std::vector<std::string>& known) {
+  for (const auto& [name, node] : table) {
+    if (std::ranges::find(known, name.str()) != known.end()) continue;
+    return Fail(ErrorCode::kBadInput, "{} is no key of {}; known are {}", KeyPlace(file, node, name.str()), what,
+                Joined(known, ", "));
+  }
+  return {};
 }
 
 Result<double> TomlNumber(const toml::node& node, const std::string& where, const NumberRange& range) {

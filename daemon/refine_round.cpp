@@ -226,11 +226,7 @@ void ReportOutcome(const RigCalibration& calibration, const TrackSet& tracks, co
   report.cameras.clear();
   for (int c = 0; c < calibration.NumCameras(); ++c) {
     CameraReport camera{.camera = calibration.cameras[c]};
-    if (calibration.covariance) {
-      const int row = CalibrationCovariance::IntrinsicsRow(c);
-      const auto variances = calibration.covariance->joint.diagonal().segment<kNumIntrinsics>(row);
-      camera.sigma = variances.cwiseMax(0).cwiseSqrt();
-    }
+    if (calibration.covariance) camera.sigma = calibration.covariance->IntrinsicsSigma(c);
     report.cameras.push_back(camera);
   }
 }

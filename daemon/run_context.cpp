@@ -8,7 +8,7 @@
 namespace rigcal {
 namespace {
 
-/// Where a stage lies in what it is part of (measured on templeSparseRing; only the progress line depends on it).
+/// Where a stage lies in what it is part of (chosen: only the progress line depends on it).
 struct StageShare {
   std::string_view stage;
   double begin;

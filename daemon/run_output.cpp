@@ -16,10 +16,10 @@ constexpr const char *kCalibrationFile = "calibration.json", *kMiddleburyFile = 
 }  // namespace
 
 Result<void> PrepareResultFolder(const std::filesystem::path& folder, const std::filesystem::path& cameras) {
-  if (std::filesystem::exists(folder / kRecordingFile)) {
+  std::error_code error;
+  if (std::filesystem::exists(folder / kRecordingFile, error)) {
     return Fail(ErrorCode::kBadInput, "{}: is a recording; results need a folder of their own", folder.string());
   }
-  std::error_code error;
   for (const char* result : {kCalibrationFile, kMiddleburyFile}) {
     if (std::filesystem::equivalent(folder / result, cameras, error)) {
       return Fail(ErrorCode::kBadInput, "{}: its {} is what the run reads; results need a folder of their own",

@@ -4,27 +4,25 @@
 
 namespace rigcal::stereo {
 
-CellGrid::CellGrid(const StereoScene& scene) : cell_px_(scene.options.cell_px) {
-  for (const StereoView& view : scene.views) {
-    columns_.push_back((view.texels.cols + cell_px_ - 1) / cell_px_);
-    rows_.push_back((view.texels.rows + cell_px_ - 1) / cell_px_);
-    cells_.emplace_back(static_cast<std::size_t>(columns_.back()) * static_cast<std::size_t>(rows_.back()),
-                        std::uint8_t{0});
-  }
-}
+CellLayout::CellLayout(const StereoView& view, int side_px)
+    : cell_px(side_px),
+      columns((view.texels.cols + side_px - 1) / side_px),
+      rows((view.texels.rows + side_px - 1) / side_px) {}
 
-std::size_t CellGrid::CellAt(int view, const Eigen::Vector2d& x_px) const {
-  const int column = static_cast<int>(x_px.x() + 0.5) / cell_px_, row = static_cast<int>(x_px.y() + 0.5) / cell_px_;
-  return static_cast<std::size_t>(row * columns_[view] + column);
+CellGrid::CellGrid(const StereoScene& scene) {
+  for (const StereoView& view : scene.views) {
+    layouts_.emplace_back(view, scene.options.cell_px);
+    cells_.emplace_back(layouts_.back().NumCells(), std::uint8_t{0});
+  }
 }
 
 std::optional<CellGrid::CellPixel> CellGrid::Neighbour(int view, const Eigen::Vector2d& x_px, int columns,
                                                        int rows) const {
-  const int column = static_cast<int>(x_px.x() + 0.5) / cell_px_ + columns;
-  const int row = static_cast<int>(x_px.y() + 0.5) / cell_px_ + rows;
-  if (column < 0 || row < 0 || column >= columns_[view] || row >= rows_[view]) return std::nullopt;
-  return CellPixel{column * cell_px_ + (cell_px_ - 1) / 2, row * cell_px_ + (cell_px_ - 1) / 2,
-                   static_cast<std::size_t>(row * columns_[view] + column)};
+  const CellLayout& layout = layouts_[view];
+  const int column = layout.ColumnAt(x_px) + columns, row = layout.RowAt(x_px) + rows;
+  if (column < 0 || row < 0 || column >= layout.columns || row >= layout.rows) return std::nullopt;
+  const int middle_px = (layout.cell_px - 1) / 2;
+  return CellPixel{column * layout.cell_px + middle_px, row * layout.cell_px + middle_px, layout.IndexOf(column, row)};
 }
 
 void CellGrid::SetPending(int view, std::size_t cell) {
@@ -56,23 +54,16 @@ void CellGrid::ClearFilled() {
   }
 }
 
-CellIndex::CellIndex(const StereoScene& scene, const std::vector<SurfacePatch>& patches)
-    : cell_px_(scene.options.cell_px) {
+CellIndex::CellIndex(const StereoScene& scene, const std::vector<SurfacePatch>& patches) {
   for (const StereoView& view : scene.views) {
-    const int columns = (view.texels.cols + cell_px_ - 1) / cell_px_,
-              rows = (view.texels.rows + cell_px_ - 1) / cell_px_;
-    views_.push_back({columns, rows, std::vector<int>(static_cast<std::size_t>(columns * rows) + 1), {}});
+    const CellLayout layout(view, scene.options.cell_px);
+    views_.push_back({layout, std::vector<int>(layout.NumCells() + 1), {}});
   }
-  const auto cell_of = [&](const Cells& cells, const Pixel& pixel) {
-    const int column = static_cast<int>(pixel.x_px.x() + 0.5) / cell_px_;
-    const int row = static_cast<int>(pixel.x_px.y() + 0.5) / cell_px_;
-    return static_cast<std::size_t>(row * cells.columns + column);
-  };
   // Counted first, so that every cell's entries go where they stay.
   for (const SurfacePatch& patch : patches) {
     for (std::size_t k = 0; k < patch.sightings.size(); ++k) {
       Cells& cells = views_[patch.sightings[k].view];
-      ++cells.first[cell_of(cells, patch.pixels[k]) + 1];
+      ++cells.first[cells.layout.CellAt(patch.pixels[k].x_px) + 1];
     }
   }
   std::vector<std::vector<int>> next;
@@ -87,7 +78,7 @@ CellIndex::CellIndex(const StereoScene& scene, const std::vector<SurfacePatch>& 
       const Sighting& sighting = patches[i].sightings[k];
       const Pixel& pixel = patches[i].pixels[k];
       Cells& cells = views_[sighting.view];
-      const auto place = static_cast<std::size_t>(next[sighting.view][cell_of(cells, pixel)]++);
+      const auto place = static_cast<std::size_t>(next[sighting.view][cells.layout.CellAt(pixel.x_px)]++);
       cells.entries[place] = {static_cast<int>(i), static_cast<float>(pixel.depth),
                               pixel.x_px.cast<float>() - sighting.offset_px, normal_in_world};
     }

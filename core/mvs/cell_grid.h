@@ -7,6 +7,21 @@
 
 namespace rigcal::stereo {
 
+/// A view divided into cells of zeta x zeta pixels of the level.
+struct CellLayout {
+  int cell_px, columns, rows;
+
+  CellLayout(const StereoView& view, int cell_px);
+  [[nodiscard]] std::size_t NumCells() const { return IndexOf(0, rows); }
+  [[nodiscard]] std::size_t IndexOf(int column, int row) const {
+    return static_cast<std::size_t>(row * columns + column);
+  }
+  /// Of a pixel that lies in the image.
+  [[nodiscard]] int ColumnAt(const Eigen::Vector2d& x_px) const { return static_cast<int>(x_px.x() + 0.5) / cell_px; }
+  [[nodiscard]] int RowAt(const Eigen::Vector2d& x_px) const { return static_cast<int>(x_px.y() + 0.5) / cell_px; }
+  [[nodiscard]] std::size_t CellAt(const Eigen::Vector2d& x_px) const { return IndexOf(ColumnAt(x_px), RowAt(x_px)); }
+};
+
 /// The cells of all views (zeta x zeta pixels of the level each): which hold a patch, which are being worked on, and
 /// how often each was tried in vain.
 class CellGrid {
@@ -14,7 +29,7 @@ class CellGrid {
   explicit CellGrid(const StereoScene& scene);
 
   /// Index of the cell at a pixel; the pixel lies in the image.
-  [[nodiscard]] std::size_t CellAt(int view, const Eigen::Vector2d& x_px) const;
+  [[nodiscard]] std::size_t CellAt(int view, const Eigen::Vector2d& x_px) const { return layouts_[view].CellAt(x_px); }
   /// Pixel that stands for the cell, or -1 when `column`, `row` lie outside.
   struct CellPixel {
     int u_px, v_px;
@@ -35,8 +50,7 @@ class CellGrid {
 
  private:
   static constexpr std::uint8_t kFilled = 1, kPending = 2, kAttemptShift = 2;
-  int cell_px_;
-  std::vector<int> columns_, rows_;
+  std::vector<CellLayout> layouts_;
   std::vector<std::vector<std::uint8_t>> cells_;
   std::vector<std::pair<int, std::size_t>> pending_;
 };
@@ -56,11 +70,12 @@ class CellIndex {
   /// Calls visit(Entry) for the patches in the cells within `reach` of the one at a pixel.
   template <typename Visit>
   void ForNeighbours(int view, const Eigen::Vector2d& x_px, int reach, Visit visit) const {
-    const int c = static_cast<int>(x_px.x() + 0.5) / cell_px_, r = static_cast<int>(x_px.y() + 0.5) / cell_px_;
     const Cells& cells = views_[view];
-    for (int row = std::max(0, r - reach); row <= std::min(cells.rows - 1, r + reach); ++row) {
-      for (int column = std::max(0, c - reach); column <= std::min(cells.columns - 1, c + reach); ++column) {
-        const std::size_t cell = static_cast<std::size_t>(row * cells.columns + column);
+    const CellLayout& layout = cells.layout;
+    const int c = layout.ColumnAt(x_px), r = layout.RowAt(x_px);
+    for (int row = std::max(0, r - reach); row <= std::min(layout.rows - 1, r + reach); ++row) {
+      for (int column = std::max(0, c - reach); column <= std::min(layout.columns - 1, c + reach); ++column) {
+        const std::size_t cell = layout.IndexOf(column, row);
         for (int i = cells.first[cell]; i < cells.first[cell + 1]; ++i) visit(cells.entries[i]);
       }
     }
@@ -68,11 +83,10 @@ class CellIndex {
 
  private:
   struct Cells {
-    int columns, rows;
+    CellLayout layout;
     std::vector<int> first;  ///< of each cell in entries; one more at the end
     std::vector<Entry> entries;
   };
-  int cell_px_;
   std::vector<Cells> views_;
 };
 

@@ -13,7 +13,7 @@ namespace {
 constexpr double kMinNeighbourShare = 0.25;
 constexpr int kMinNeighbours = 3;
 /// Largest distance from the surface that the patches around lie on, pixels of the level: what counts as far off when
-/// patches are judged. With 1.0 along the ray a third of the patches went, most of them good ones on slanted surfaces.
+/// patches are judged. With 1.0 along the ray a third of templeSparseRing's went (level 2: 3,225 of 4,799).
 constexpr double kMaxDistancePx = 2.0;
 constexpr int kMinGroup = 12;  ///< patches of a connected piece of surface at least
 constexpr int kReach = 2;      ///< cells around a patch in which its neighbours are looked for
@@ -120,13 +120,7 @@ bool Keep(const StereoScene& scene, const Execution& execution, std::vector<Surf
       execution, static_cast<int>(patches.size()), [&](int i) { kept[i] = passes(judge, patches[i]); },
       kPatchesPerTask);
   if (!finished) return false;
-  std::size_t next = 0;
-  for (std::size_t i = 0; i < patches.size(); ++i) {
-    if (!kept[i]) continue;
-    if (next != i) patches[next] = std::move(patches[i]);
-    ++next;
-  }
-  patches.resize(next);
+  KeepMarked(kept, patches);
   return true;
 }
 
@@ -152,16 +146,22 @@ void DropSmallGroups(const StereoScene& scene, std::vector<SurfacePatch>& patche
       });
     }
   }
+  std::vector<char> kept(patches.size());
+  for (std::size_t i = 0; i < patches.size(); ++i) kept[i] = size[group[i]] >= kMinGroup;
+  KeepMarked(kept, patches);
+}
+
+}  // namespace
+
+void KeepMarked(const std::vector<char>& marks, std::vector<SurfacePatch>& patches) {
   std::size_t next = 0;
   for (std::size_t i = 0; i < patches.size(); ++i) {
-    if (size[group[i]] < kMinGroup) continue;
+    if (!marks[i]) continue;
     if (next != i) patches[next] = std::move(patches[i]);
     ++next;
   }
   patches.resize(next);
 }
-
-}  // namespace
 
 std::optional<std::vector<SurfacePatch>> FilterPatches(const StereoScene& scene, std::vector<SurfacePatch> patches,
                                                        const Execution& execution) {

@@ -4,11 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/mvs/surface.h"
+
 namespace rigcal::stereo {
 namespace {
 
 /// Neighbours are taken from this far around (window sides), and weigh less with the square of the distance, down to
-/// kWeightAtReach there. Overlapping windows share their noise: where there is much of it, only neighbours from farther
+/// kWeightAtReach there (a Gaussian does as well on the plaster set, 1.93 against 1.91 % far off, and costs an
+/// exponential). Overlapping windows share their noise: where there is much of it, only neighbours from farther
 /// away take it out. On 400 x 300 pixels the plaster's patches then lie 0.36 px off instead of 0.44 px, 1.9 % instead
 /// of 3.2 % of them more than 2 px.
 constexpr double kReachInWindows = 1.0, kFarReachInWindows = 2.0;
@@ -179,17 +182,15 @@ bool SmoothPatches(const StereoScene& scene, const Execution& execution, std::ve
   const bool finished = ParallelFor(
       execution, static_cast<int>(patches.size()), [&](int i) { smoothed[i] = Smooth(scene, index, patches[i]); },
       kPatchesPerTask);
-  std::size_t next = 0;
+  std::vector<char> kept(patches.size());
   for (std::size_t i = 0; i < patches.size(); ++i) {
-    if (smoothed[i].is_lost) continue;
-    if (next != i) patches[next] = std::move(patches[i]);
+    kept[i] = !smoothed[i].is_lost;
     if (const std::optional<Place>& place = smoothed[i].place) {
-      patches[next].centre_in_world = place->centre_in_world;
-      patches[next].normal_in_world = place->normal_in_world;
+      patches[i].centre_in_world = place->centre_in_world;
+      patches[i].normal_in_world = place->normal_in_world;
     }
-    ++next;
   }
-  patches.resize(next);
+  KeepMarked(kept, patches);
   return finished;
 }
 

@@ -23,11 +23,10 @@ std::optional<LocalSurface> FitLocalSurface(const StereoScene& scene, const std:
                                             const CellIndex& index, int patch);
 
 /// Moves every patch onto the surface that it and its neighbours lie on together, with that surface's normal, and drops
-/// noisy ones that too few neighbours hold. This also
-/// takes out what a flat window gets wrong on a curved surface: a plane through a window lies
-/// <u^2> / 2 * (w_uu + w_vv) beside the surface at its centre. <u^2> = h (h + 1) / 3 is that of a window of half-width
-/// h with equal weights. Our weights' own is smaller, but corrected too little: on a ball of 32 px radius patches lay
-/// 0.064 px off in the mean with it, 0.034 px with this. False when stopped.
+/// noisy ones that too few neighbours hold. This also takes out what a flat window gets wrong on a curved surface: a
+/// plane through a window lies <u^2> / 2 * (w_uu + w_vv) beside the surface at its centre. <u^2> = h (h + 1) / 3 is
+/// that of a window of half-width h with equal weights. Our weights' own is smaller, but corrected too little: on a
+/// ball of 32 px radius patches lay 0.064 px off in the mean with it, 0.034 px with this. False when stopped.
 bool SmoothPatches(const StereoScene& scene, const Execution& execution, std::vector<SurfacePatch>& patches);
 
 }  // namespace rigcal::stereo

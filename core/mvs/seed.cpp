@@ -17,7 +17,7 @@ constexpr double kBandPx = 1.5;
 /// Points may be this many times further off than the mean error says (templeSparseRing: 14-19 px for a mean of 6).
 constexpr double kPointsOverMean = 2.0;
 constexpr float kMinPairNcc = 0.6f;
-/// Best matches that are made into patches. A third takes a tenth of the time and adds nothing (templeSparseRing).
+/// Best matches that are made into patches. With three templeSparseRing has 4,424 patches at level 2, with two 4,405.
 constexpr std::size_t kMaxTrials = 2;
 
 struct PairMatch {

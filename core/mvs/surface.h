@@ -22,6 +22,9 @@ bool SeedSurface(const StereoScene& scene, const Execution& execution, Surface& 
 /// so that the outcome does not depend on the threads. False when stopped.
 bool ExpandSurface(const StereoScene& scene, std::vector<int> frontier, const Execution& execution, Surface& surface);
 
+/// Leaves the patches whose mark is set, in their order; one mark a patch.
+void KeepMarked(const std::vector<char>& marks, std::vector<SurfacePatch>& patches);
+
 /// The patches without those that contradict others or stand alone (PMVS paper, section 3.3). Nothing when stopped.
 std::optional<std::vector<SurfacePatch>> FilterPatches(const StereoScene& scene, std::vector<SurfacePatch> patches,
                                                        const Execution& execution);

@@ -59,7 +59,10 @@ class PointElimination {
 
   void SubtractFrom(Eigen::MatrixXd& information) {
     const auto n = static_cast<Eigen::Index>(columns_.size());
-    if (n == 0) return point_information_.setZero(), void();  // all its views are fixed
+    if (n == 0) {  // all its views are fixed
+      point_information_.setZero();
+      return;
+    }
     Eigen::Matrix<double, 3, Eigen::Dynamic> cross(3, n);
     for (Eigen::Index a = 0; a < n; ++a) cross.col(a) = cross_.col(columns_[a]);
     const Eigen::MatrixXd square = cross.transpose() * point_information_.ldlt().solve(cross);

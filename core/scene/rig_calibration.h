@@ -27,6 +27,10 @@ enum class IntrinsicsMode { kPerCamera, kFixed, kPerView };
 /// unit). Rows of what was held fixed are zero. The gauge is that of the seed (its prior), not of any one view.
 struct CalibrationCovariance {
   Eigen::MatrixXd joint;
+  /// Standard deviations of a camera's intrinsics.
+  [[nodiscard]] IntrinsicVector IntrinsicsSigma(int camera) const {
+    return joint.diagonal().segment<kNumIntrinsics>(IntrinsicsRow(camera)).cwiseMax(0).cwiseSqrt();
+  }
   [[nodiscard]] static int IntrinsicsRow(int camera) { return camera * kNumIntrinsics; }
   [[nodiscard]] static int PoseRow(int num_cameras, int view) { return num_cameras * kNumIntrinsics + 6 * view; }
 };

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <set>
 
-#include "core/seed/joined.h"
+#include "core/base/joined.h"
 
 namespace rigcal {
 namespace {

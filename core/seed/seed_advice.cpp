@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/seed/joined.h"
+#include "core/base/joined.h"
 
 namespace rigcal {
 namespace {

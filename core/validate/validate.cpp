@@ -14,6 +14,7 @@ JudgedCase MakeCase(const ValidationInput& input) {
   const std::size_t num_views = calibration.views.size();
   Ensure(input.camera_priors.empty() || input.camera_priors.size() == calibration.cameras.size(),
          "validation needs one prior per camera or none");
+  Ensure(!input.prior || input.prior->views.size() == num_views, "the prior has the views that are judged");
   Ensure(input.sharpness.empty() || input.sharpness.size() == num_views, "validation needs one sharpness per view");
   for (const Track& track : input.tracks.tracks) {
     for (const Observation& o : track.observations) {

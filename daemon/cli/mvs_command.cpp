@@ -39,7 +39,9 @@ Result<LoadedImages> LoadPictures(const MvsArguments& arguments, const OpenedPic
 
 /// The number of patches written.
 Result<std::size_t> MakePatches(const MvsArguments& arguments, RunContext& context) {
-  if (std::filesystem::is_directory(arguments.out)) {
+  if (Result<void> checked = arguments.masks.Check(); !checked) return Fail(checked.error());
+  std::error_code ignored;
+  if (std::filesystem::is_directory(arguments.out, ignored)) {
     return Fail(ErrorCode::kBadInput, "{}: a file is needed here, this is a folder", arguments.out.string());
   }
   if (Result<void> ready = PrepareOutputFolder(std::filesystem::absolute(arguments.out).parent_path()); !ready)

@@ -27,32 +27,35 @@ struct OpenedChart {
   Provenance provenance;
 };
 
+/// The file as `parse` reads it; what was parsed is what the provenance names.
+template <typename Content>
+Result<Content> ReadInput(const std::filesystem::path& path,
+                          Result<Content> (*parse)(std::string_view, const std::string&), Provenance& provenance) {
+  const Result<std::string> text = ReadFile(path);
+  if (!text) return Fail(text.error());
+  provenance.inputs.push_back({path.filename().string(), Sha256Hex(*text)});
+  return parse(*text, path.string());
+}
+
 Result<OpenedChart> Open(const SeedRequest& request) {
-  Result<Board> board = LoadBoard(request.chart);
-  if (!board) return Fail(board.error());
-  Result<Recording> recording = LoadRecording(request.recording);
-  if (!recording) return Fail(recording.error());
+  OpenedChart opened{.chart = {.folder = request.recording},
+                     .provenance = {.program_version = std::string(ProgramVersion()), .method = "seed"}};
   const std::filesystem::path file = request.recording / kRecordingFile;
+  Result<Recording> recording = ReadInput(file, ParseRecording, opened.provenance);
+  if (!recording) return Fail(recording.error());
   if (!recording->closed) return Fail(ErrorCode::kBadInput, "{}: the recording is not closed", file.string());
-  OpenedChart opened;
-  opened.provenance = {.program_version = std::string(ProgramVersion()), .method = "seed"};
-  std::optional<RigFile> rig;
-  std::vector<std::filesystem::path> inputs = {file, request.chart};
+  const Result<Board> board = ReadInput(request.chart, ParseBoard, opened.provenance);
+  if (!board) return Fail(board.error());
+  opened.chart.board = *board;
   if (!request.rig.empty()) {
-    Result<RigFile> loaded = LoadRig(request.rig);
-    if (!loaded) return Fail(loaded.error());
-    rig = std::move(*loaded);
-    inputs.push_back(request.rig);
-  }
-  for (const std::filesystem::path& input : inputs) {
-    const Result<std::string> bytes = ReadFile(input);
-    if (!bytes) return Fail(bytes.error());
-    opened.provenance.inputs.push_back({input.filename().string(), Sha256Hex(*bytes)});
+    Result<RigFile> rig = ReadInput(request.rig, ParseRig, opened.provenance);
+    if (!rig) return Fail(rig.error());
+    opened.chart.rig = std::move(*rig);
   }
   for (const RecordedView& view : recording->views) {
     if (view.subject != Subject::kObject) opened.provenance.inputs.push_back({view.file, view.sha256});
   }
-  opened.chart = {request.recording, std::move(*recording), *board, std::move(rig)};
+  opened.chart.recording = std::move(*recording);
   return opened;
 }
 

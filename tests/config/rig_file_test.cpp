@@ -19,11 +19,9 @@ constexpr const char* kGantry =
     "[positioner]\nkind = \"gantry\"\ncarries = \"cameras\"\naxes = [\"x\", \"z\"]\nposition_sigma_m = 2e-5\n";
 constexpr const char* kArm = "[positioner]\nkind = \"arm\"\ncarries = \"object\"\nrotation_sigma_deg = 0.01\n";
 
-void ExpectRefused(const std::string& text, const std::vector<std::string>& parts) {
-  const Result<RigFile> rig = ParseRig(text, "rig.toml");
-  ASSERT_FALSE(rig) << text;
-  EXPECT_EQ(rig.error().code, ErrorCode::kBadInput);
-  for (const std::string& part : parts) EXPECT_THAT(rig.error().message, HasSubstr(part));
+void ExpectTextRefused(const std::string& text, const std::vector<std::string>& parts) {
+  SCOPED_TRACE(text);
+  ExpectRefused(ParseRig(text, "rig.toml"), parts);
 }
 
 TEST(RigFile, ReadsATurntable) {
@@ -50,19 +48,22 @@ TEST(RigFile, ReadsAGantryAndAnArm) {
 }
 
 TEST(RigFile, NamesFileLineKeyAndRange) {
-  ExpectRefused(Replaced(kTurntable, "0.03", "30"), {"rig.toml line 3: step_sigma_deg", "30", "degrees from 0 to 10"});
-  ExpectRefused(Replaced(kTurntable, "0.03", "\"0.03 deg\""), {"line 3: step_sigma_deg", "degrees"});
-  ExpectRefused(Replaced(kTurntable, "step_sigma_deg", "step_sigma_rad"), {"line 3: step_sigma_rad", "step_sigma_deg"});
-  ExpectRefused(Replaced(kTurntable, "step_sigma_deg", "rotation_sigma_deg"), {"line 3", "turntable"});
-  ExpectRefused(Replaced(kTurntable, "\"turntable\"", "\"carousel\""), {"line 2: kind", "\"turntable\", \"gantry\""});
-  ExpectRefused(Replaced(kTurntable, "kind = \"turntable\"\n", ""), {"positioner.kind is missing"});
-  ExpectRefused(Replaced(kTurntable, "[positioner]", "[table]"), {"line 1: table", "positioner"});
-  ExpectRefused("", {"[positioner] is missing"});
-  ExpectRefused(std::string(kTurntable) + "carries = \"cameras\"\n", {"line 6: carries", "carries the object"});
-  ExpectRefused(Replaced(kGantry, "carries = \"cameras\"\n", ""), {"positioner.carries is missing"});
-  ExpectRefused(Replaced(kGantry, "[\"x\", \"z\"]", "[\"x\", \"x\"]"), {"line 4: axes", "different names"});
-  ExpectRefused(Replaced(kGantry, "[\"x\", \"z\"]", "2"), {"line 4: axes", "one to three names"});
-  ExpectRefused(std::string(kArm) + "axes = [\"x\"]\n", {"axes"});
+  ExpectTextRefused(Replaced(kTurntable, "0.03", "30"),
+                    {"rig.toml line 3: step_sigma_deg", "30", "degrees from 0 to 10"});
+  ExpectTextRefused(Replaced(kTurntable, "0.03", "\"0.03 deg\""), {"line 3: step_sigma_deg", "degrees"});
+  ExpectTextRefused(Replaced(kTurntable, "step_sigma_deg", "step_sigma_rad"),
+                    {"line 3: step_sigma_rad", "step_sigma_deg"});
+  ExpectTextRefused(Replaced(kTurntable, "step_sigma_deg", "rotation_sigma_deg"), {"line 3", "turntable"});
+  ExpectTextRefused(Replaced(kTurntable, "\"turntable\"", "\"carousel\""),
+                    {"line 2: kind", "\"turntable\", \"gantry\""});
+  ExpectTextRefused(Replaced(kTurntable, "kind = \"turntable\"\n", ""), {"positioner.kind is missing"});
+  ExpectTextRefused(Replaced(kTurntable, "[positioner]", "[table]"), {"line 1: table", "positioner"});
+  ExpectTextRefused("", {"[positioner] is missing"});
+  ExpectTextRefused(std::string(kTurntable) + "carries = \"cameras\"\n", {"line 6: carries", "carries the object"});
+  ExpectTextRefused(Replaced(kGantry, "carries = \"cameras\"\n", ""), {"positioner.carries is missing"});
+  ExpectTextRefused(Replaced(kGantry, "[\"x\", \"z\"]", "[\"x\", \"x\"]"), {"line 4: axes", "different names"});
+  ExpectTextRefused(Replaced(kGantry, "[\"x\", \"z\"]", "2"), {"line 4: axes", "one to three names"});
+  ExpectTextRefused(std::string(kArm) + "axes = [\"x\"]\n", {"axes"});
 }
 
 Recording TurntableRecording() {

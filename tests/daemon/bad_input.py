@@ -269,10 +269,44 @@ def imports(rigcal, root):
     return good
 
 
+def rigcal_refuses(name, words, command, unchanged):
+    """Status 2 and one sentence with the words; the file `unchanged` stays as it is."""
+    before = unchanged.read_bytes()
+    done = subprocess.run(list(map(str, command)), capture_output=True, text=True)
+    fits = (done.returncode == 2 and done.stderr.count("\n") == 1 and all(word in done.stderr for word in words)
+            and unchanged.read_bytes() == before)
+    print(f"{'ok  ' if fits else 'FAIL'} {name}: {done.stderr.strip()}")
+    return fits
+
+
+def results_over_inputs(rigcal, root):
+    """Nothing is written over what a person made, and no number passes that is none."""
+    case = Case(rigcal, root / "set", root / "over")
+    good = rigcal_refuses("export_over_its_input", ["truth_par.txt"],
+                          [rigcal, "export", case.par, "--format", "middlebury", "--out", case.par], case.par)
+    board = root / "board.toml"
+    printed = [rigcal, "chart", "print", "--family", "tag36h11", "--columns", "4", "--rows", "3", "--tag-mm", "30", "--gap-mm", "9",
+               "--out", root / "board.pdf"]
+    subprocess.run(list(map(str, printed)), check=True, capture_output=True)
+    board.write_text(board.read_text().replace("thickness_m = 0", "thickness_m = 0.004"))
+    good &= rigcal_refuses("print_over_an_edited_board", ["board.toml"], printed, board)
+    for option in ("--expected-error-px", "--aspect-sigma", "--holdout"):
+        done = subprocess.run([rigcal, "refine", "--images", str(case.folder), "--cameras", str(case.par), "--out", str(case.out),
+                               option, "nan"], capture_output=True, text=True)
+        fits = done.returncode == 2 and option in done.stderr and not case.out.exists()
+        print(f"{'ok  ' if fits else 'FAIL'} {option} nan: {done.stderr.splitlines()[0]}")
+        good &= fits
+    prior = case.folder / "prior_par.txt"
+    lines = case.lines()
+    prior.write_text("\n".join([str(len(lines) - 2)] + lines[2:]) + "\n")
+    return good & rigcal_refuses("prior_without_a_view", ["prior_par.txt", lines[1].split()[0]],
+                                 [rigcal, "validate", "--images", case.folder, "--cameras", case.par, "--prior", prior], prior)
+
+
 def is_whole(path):
     if path.suffix == ".json":
         return bool(json.loads(path.read_text()))
-    return path.stat().st_size > 0
+    return path.suffix in (".ply", ".txt") and path.stat().st_size > 0
 
 
 def full_disk(case):
@@ -311,6 +345,7 @@ def main():
         case = Case(rigcal, root / "set", root / "unwritable")
         (case.folder / "file").write_text("")
         good &= judge("unwritable_out", case.refine(case.folder / "file"), ["a folder is needed"], case.folder / "out")
+        good &= results_over_inputs(rigcal, root)
         good &= full_disk(Case(rigcal, root / "set", root / "full"))
     finally:
         shutil.rmtree(root)

@@ -132,6 +132,23 @@ def one_bumped_camera(bench):
                 f"{moved[bumped]:.1f} px and is off by {numpy.degrees(off_rad):.4f} degrees, others as they were: {kept}")
 
 
+def prior_in_another_order(bench):
+    """`validate` compares a view with the view of the same name in the prior, wherever that stands in its file."""
+    start = bench.root / "set/start_6px_par.txt"
+    turned = bench.root / "turned_par.txt"
+    lines = start.read_text().splitlines()
+    turned.write_text("\n".join(lines[:1] + lines[:0:-1]) + "\n")
+    reports = []
+    for prior in (start, turned):
+        done = subprocess.run([bench.rigcal, "validate", "--images", str(bench.root / "set"), "--cameras",
+                               str(bench.root / "set/truth_par.txt"), "--prior", str(prior), "--expected-error-px", "7", "--json"],
+                              capture_output=True, text=True)
+        reports.append(json.loads(done.stdout) if done.returncode in (0, 3) else done.stderr)
+    moved = max(view["moved_px"] for view in reports[0]["views"])
+    bench.check("prior", reports[0] == reports[1] and 1 < moved < 30,
+                f"{reports[0]['verdict']}, moved up to {moved:.1f} px; the same with the prior in another order: {reports[0] == reports[1]}")
+
+
 def names_view(bench, case, spoil, views):
     folder = bench.root / case
     shutil.copytree(bench.root / "set", folder)
@@ -176,6 +193,7 @@ def main():
         threads_do_not_matter(bench)
         it_stops(bench)
         one_bumped_camera(bench)
+        prior_in_another_order(bench)
         recording_is_as_good_as_its_pictures(bench)
         names_view(bench, "black", black, range(12))
         names_view(bench, "blurred", blur_third, [3])

@@ -32,8 +32,10 @@ class Bench:
     def refused(self, name, words, *arguments):
         done = self.run("seed", *arguments)
         sentence = done.stderr.strip()
-        self.check(name, done.returncode == 2 and "\n" not in sentence and all(w in sentence for w in words),
-                   f"status {done.returncode}: {sentence}")
+        out = self.root / "no"
+        left = list(out.iterdir()) if out.exists() else []
+        self.check(name, done.returncode == 2 and "\n" not in sentence and all(w in sentence for w in words) and not left,
+                   f"status {done.returncode}: {sentence} {left or ''}")
 
 
 def real_photographs(bench, data):

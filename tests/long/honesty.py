@@ -82,22 +82,14 @@ def validate(args, par, camera_from_name):
     return report["verdict"], [f"{r['check']} {r['value']:.3g}>{r['limit']:.3g}" for r in report["reasons"]]
 
 
-def main():
-    parser = argparse.ArgumentParser(usage=__doc__)
-    for name in ("rigcal", "tools", "images", "points"):
-        parser.add_argument(f"--{name}", required=True)
-    parser.add_argument("--camera-from-name", default="")
-    parser.add_argument("--random-seed", type=int, default=0)
-    parser.add_argument("--json")
-    parser.add_argument("cameras", nargs="+")
-    args = parser.parse_args()
+def judge_all(args, folder):
+    """A row for each camera file as it is and one for it bent."""
     sys.path.insert(0, args.tools)
     from common import load_par, load_points, save_par
     from gt_error import gt_error
 
     points = load_points(args.points)
     rng = np.random.default_rng(args.random_seed)
-    folder = pathlib.Path(tempfile.mkdtemp(prefix="rigcal-honesty-"))
     rows = []
     for number, file in enumerate(args.cameras):
         cameras = load_par(file)
@@ -111,9 +103,24 @@ def main():
         par = folder / f"bent{number}_par.txt"
         save_par(par, *bent)
         bent_verdict, bent_reasons = validate(args, par, args.camera_from_name if shared else EACH_VIEW)
-        rows.append({"file": str(par), "bent_px": error_px, "shared": shared, "kind": kind, "verdict": bent_verdict, "reasons": bent_reasons})
+        rows.append({"file": par.name, "bent_px": error_px, "shared": shared, "kind": kind, "verdict": bent_verdict,
+                     "reasons": bent_reasons})
         print(f"{file}: {verdict} {'; '.join(reasons[:3])}\n  bent by {error_px:.1f} px ({kind}, {'shared' if shared else 'per view'}): "
               f"{bent_verdict} {'; '.join(bent_reasons[:3])}", flush=True)
+    return rows
+
+
+def main():
+    parser = argparse.ArgumentParser(usage=__doc__)
+    for name in ("rigcal", "tools", "images", "points"):
+        parser.add_argument(f"--{name}", required=True)
+    parser.add_argument("--camera-from-name", default="")
+    parser.add_argument("--random-seed", type=int, default=0)
+    parser.add_argument("--json")
+    parser.add_argument("cameras", nargs="+")
+    args = parser.parse_args()
+    with tempfile.TemporaryDirectory(prefix="rigcal-honesty-") as folder:
+        rows = judge_all(args, pathlib.Path(folder))
     for name, group in (("unbent", [r for r in rows if not r["bent_px"]]), ("bent", [r for r in rows if r["bent_px"]])):
         print(f"{name}: {sum(r['verdict'] == 'accepted' for r in group)} of {len(group)} accepted")
     if args.json:

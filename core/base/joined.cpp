@@ -1,4 +1,4 @@
-#include "core/seed/joined.h"
+#include "core/base/joined.h"
 
 namespace rigcal {
 
