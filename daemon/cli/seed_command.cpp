@@ -40,10 +40,6 @@ Result<Content> ReadInput(const std::filesystem::path& path,
 Result<OpenedChart> Open(const SeedRequest& request) {
   OpenedChart opened{.chart = {.folder = request.recording},
                      .provenance = {.program_version = std::string(ProgramVersion()), .method = "seed"}};
-  const std::filesystem::path file = request.recording / kRecordingFile;
-  Result<Recording> recording = ReadInput(file, ParseRecording, opened.provenance);
-  if (!recording) return Fail(recording.error());
-  if (!recording->closed) return Fail(ErrorCode::kBadInput, "{}: the recording is not closed", file.string());
   const Result<Board> board = ReadInput(request.chart, ParseBoard, opened.provenance);
   if (!board) return Fail(board.error());
   opened.chart.board = *board;
@@ -52,6 +48,10 @@ Result<OpenedChart> Open(const SeedRequest& request) {
     if (!rig) return Fail(rig.error());
     opened.chart.rig = std::move(*rig);
   }
+  const std::filesystem::path file = request.recording / kRecordingFile;
+  Result<Recording> recording = ReadInput(file, ParseRecording, opened.provenance);
+  if (!recording) return Fail(recording.error());
+  if (!recording->closed) return Fail(ErrorCode::kBadInput, "{}: the recording is not closed", file.string());
   for (const RecordedView& view : recording->views) {
     if (view.subject != Subject::kObject) opened.provenance.inputs.push_back({view.file, view.sha256});
   }
