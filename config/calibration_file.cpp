@@ -4,8 +4,10 @@
 #include <map>
 
 #include "config/atomic_file.h"
+#include "config/covariance_json.h"
 #include "config/json_content.h"
 #include "config/json_text.h"
+#include "config/rig_section.h"
 
 namespace rigcal {
 namespace {
@@ -19,25 +21,6 @@ constexpr const char* kFrame =
 constexpr const char* kCovarianceOrder =
     "for each camera fx fy cx cy skew k1 k2 p1 p2 k3, then for each view a rotation (rad) about and a shift along the "
     "camera's own x y z; rows not listed are 0";
-
-/// Rows of the covariance that are not all zero: what was held fixed is left out of the file.
-std::vector<int> EstimatedRows(const Eigen::MatrixXd& joint) {
-  std::vector<int> rows;
-  for (int row = 0; row < joint.rows(); ++row)
-    if (joint(row, row) != 0) rows.push_back(row);
-  return rows;
-}
-
-Json CovarianceJson(const Eigen::MatrixXd& joint) {
-  const std::vector<int> rows = EstimatedRows(joint);
-  Json upper = Json::array();
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    Json line = Json::array();
-    for (std::size_t j = i; j < rows.size(); ++j) line.push_back(joint(rows[i], rows[j]));
-    upper.push_back(std::move(line));
-  }
-  return {{"order", kCovarianceOrder}, {"rows", rows}, {"upper_triangle", std::move(upper)}};
-}
 
 Json CamerasJson(const RigCalibration& calibration) {
   Json cameras = Json::array();
@@ -83,25 +66,6 @@ Camera CameraFrom(const Json& json) {
   return camera;
 }
 
-CalibrationCovariance CovarianceFrom(const Json& json, Eigen::Index size) {
-  std::vector<int> rows;
-  for (const Json& row : List(json, "rows"))
-    rows.push_back(
-        WholeNumber(row, rows.empty() ? 0 : rows.back() + 1, static_cast<int>(size) - 1, "a covariance row"));
-  const Json& upper = json.at("upper_triangle");
-  if (upper.size() != rows.size())
-    Refuse("covariance: {} rows are listed, the upper triangle has {}", rows.size(), upper.size());
-  CalibrationCovariance covariance{Eigen::MatrixXd::Zero(size, size)};
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (upper.at(i).size() != rows.size() - i)
-      Refuse("covariance: line {} of the upper triangle has {} numbers instead of {}", i, upper.at(i).size(),
-             rows.size() - i);
-    for (std::size_t j = i; j < rows.size(); ++j)
-      covariance.joint(rows[i], rows[j]) = covariance.joint(rows[j], rows[i]) = upper.at(i).at(j - i).get<double>();
-  }
-  return covariance;
-}
-
 Provenance ProvenanceFrom(const Json& json) {
   Provenance provenance;
   provenance.program_version = json.at("version").get<std::string>();
@@ -142,8 +106,9 @@ CalibrationContent ContentFrom(const Json& json, const std::string& file) {
   }
   calibration.unit = UnitFrom(json.at("unit"));
   if (json.contains("covariance"))
-    calibration.covariance = CovarianceFrom(
-        json.at("covariance"), CalibrationCovariance::PoseRow(calibration.NumCameras(), calibration.NumViews()));
+    calibration.covariance = CalibrationCovariance{CovarianceFrom(
+        json.at("covariance"), CalibrationCovariance::PoseRow(calibration.NumCameras(), calibration.NumViews()))};
+  if (json.contains("rig")) calibration.rig = RigSectionFrom(json.at("rig"), calibration.cameras, file);
   if (json.contains("provenance")) content.provenance = ProvenanceFrom(json.at("provenance"));
   return content;
 }
@@ -156,7 +121,8 @@ std::string CalibrationText(const RigCalibration& calibration, const Provenance&
   json["cameras"] = CamerasJson(calibration);
   json["views"] = ViewsJson(calibration);
   json["provenance"] = ProvenanceJson(provenance);
-  if (calibration.covariance) json["covariance"] = CovarianceJson(calibration.covariance->joint);
+  if (calibration.covariance) json["covariance"] = CovarianceJson(calibration.covariance->joint, kCovarianceOrder);
+  if (calibration.rig) json["rig"] = RigSectionJson(*calibration.rig, calibration.cameras);
   return JsonText(json);
 }
 

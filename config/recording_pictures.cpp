@@ -26,7 +26,7 @@ Result<RecordedObject> LoadRecordedObject(const std::filesystem::path& folder) {
   const std::string file = (folder / kRecordingFile).string();
   const Result<std::string> text = ReadFile(file);
   if (!text) return Fail(text.error());
-  const Result<Recording> recording = ParseRecording(*text, file);
+  Result<Recording> recording = ParseRecording(*text, file);
   if (!recording) return Fail(recording.error());
   if (!recording->closed)
     return Fail(ErrorCode::kBadInput, "{}: the recording is not closed: it was interrupted after {} views", file,
@@ -41,6 +41,7 @@ Result<RecordedObject> LoadRecordedObject(const std::filesystem::path& folder) {
   if (object.camera_by_image.empty())
     return Fail(ErrorCode::kBadInput, "{}: none of its {} views shows an object", file, recording->views.size());
   object.file = {kRecordingFile, Sha256Hex(*text)};
+  object.recording = std::move(*recording);
   return object;
 }
 

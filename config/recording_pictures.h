@@ -18,9 +18,10 @@ Result<cv::Mat> LoadRecordedPicture(const std::filesystem::path& folder, const R
 
 /// The object's pictures (subject object or both) of a recording, by the names that views of cameras have: their files.
 struct RecordedObject {
+  Recording recording;
   std::map<std::string, std::string> camera_by_image;
   std::map<std::string, std::string> sha256_by_image;
-  InputFile file;  ///< recording.json
+  InputFile file;  ///< recording.json; its name is empty for pictures that are none of a recording
 };
 
 /// Errors: those of LoadRecording; kBadInput when it is not closed or shows no object.

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <optional>
 
+#include "config/positioner_names.h"
 #include "config/toml_content.h"
 #include "core/base/joined.h"
 
@@ -14,16 +15,6 @@ namespace {
 constexpr double kRadPerDeg = std::numbers::pi / 180;
 constexpr double kMaxSigmaDeg = 10, kMaxSigmaM = 0.1;  // beyond, a position says nothing
 constexpr double kMaxScaleSigma = 0.1;
-
-constexpr std::array<std::pair<std::string_view, PositionerKind>, 3> kKinds = {{
-    {"turntable", PositionerKind::kTurntable},
-    {"gantry", PositionerKind::kGantry},
-    {"arm", PositionerKind::kArm},
-}};
-constexpr std::array<std::pair<std::string_view, PositionerLoad>, 2> kLoads = {{
-    {"object", PositionerLoad::kObject},
-    {"cameras", PositionerLoad::kCameras},
-}};
 
 /// The expected size of some components of a StopError: the only place where these keys and their ranges stand.
 struct SigmaKey {
@@ -152,12 +143,12 @@ Result<RigFile> ParseRig(std::string_view text, const std::string& file) {
   const toml::table* table = (*document)["positioner"].as_table();
   if (table == nullptr) return Fail(ErrorCode::kBadInput, "{}: the table [positioner] is missing", file);
 
-  const auto kind = WordFrom<PositionerKind>(*table, "kind", file, kKinds, {});
+  const auto kind = WordFrom<PositionerKind>(*table, "kind", file, kPositionerKinds, {});
   if (!kind) return Fail(kind.error());
   const std::string what = fmt::format("a positioner of this kind ({})", table->get("kind")->ref<std::string>());
   if (auto known = CheckKeys(*table, file, what, KeysOf(*kind)); !known) return Fail(known.error());
   const bool turntable = *kind == PositionerKind::kTurntable;
-  const auto load = WordFrom<PositionerLoad>(*table, "carries", file, kLoads,
+  const auto load = WordFrom<PositionerLoad>(*table, "carries", file, kPositionerLoads,
                                              turntable ? std::optional(PositionerLoad::kObject) : std::nullopt);
   if (!load) return Fail(load.error());
   if (turntable && *load != PositionerLoad::kObject) {

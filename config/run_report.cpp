@@ -2,6 +2,7 @@
 
 #include "config/atomic_file.h"
 #include "config/json_text.h"
+#include "config/rig_report.h"
 
 namespace rigcal {
 namespace {
@@ -115,6 +116,12 @@ std::string ReportText(const RunReport& report) {
   json["views"] = ViewsJson(report.validation.views);
   json["cameras"] = CamerasJson(report.cameras);
   json["masks"] = MasksJson(report.masks);
+  if (report.rig) {
+    std::vector<std::string> camera_ids;
+    for (const CameraReport& camera : report.cameras) camera_ids.push_back(camera.camera.id);
+    json["rig"] = RigFitJson(*report.rig, camera_ids);
+    json["contradictions"] = report.contradictions;
+  }
   json["notes"] = report.notes;
   return JsonText(json);
 }

@@ -46,6 +46,8 @@ struct RunReport {
   std::vector<int> views_per_track;  ///< [k]: tracks of the last round seen in k views (paper: Fig. 7)
   std::vector<CameraReport> cameras;
   std::vector<MaskReport> masks;
+  std::optional<RigFit> rig;                ///< when the poses were those of a rig
+  std::vector<std::string> contradictions;  ///< where the pictures and the rig disagree, and what moved
   std::vector<std::string> notes;
 };
 

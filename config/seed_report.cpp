@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "config/json_text.h"
+#include "config/rig_report.h"
 #include "core/base/ensure.h"
 
 namespace rigcal {
@@ -70,54 +71,10 @@ Json BoardJson(const SeedResult& seed) {
             {"stretch", NumberJson(sigma.stretch)}}}};
 }
 
-Json VectorJson(const Eigen::Vector3d& v) {
-  return {v.x(), v.y(), v.z()};
-}
-
-Json AxisJson(const AxisEstimate& axis, const SeedScene& scene) {
-  return {{"camera", scene.cameras[axis.camera].id},
-          {"direction_in_cam", VectorJson(axis.direction_in_cam)},
-          {"direction_sigma_deg", NumberJson(axis.direction_sigma_rad * kDegPerRad)},
-          {"point_in_cam_m", VectorJson(axis.point_in_cam)},
-          {"point_sigma_m", NumberJson(axis.point_sigma_m)}};
-}
-
-/// The errors of a stop that this kind of positioner has; rotations in degrees.
-Json StopErrorsJson(const Positioner& positioner, const StopError& error, const StopError& sigma) {
-  constexpr int kNumRotations = 3;
-  Json json = Json::array();
-  const auto names = StopErrorNames(positioner);
-  for (int k = 0; k < kStopErrorSize; ++k) {
-    if (*names[k] == '\0') continue;
-    const bool turns = k < kNumRotations;
-    const double scale = turns ? kDegPerRad : 1;
-    json.push_back({{"name", names[k]},
-                    {"value", NumberJson(scale * error[k])},
-                    {"sigma", NumberJson(scale * sigma[k])},
-                    {"unit", turns ? "deg" : "m"}});
-  }
-  return json;
-}
-
-Json RigJson(const SeedScene& scene, const RigEstimate& rig) {
-  Json json;
-  if (rig.axis) json["axis"] = AxisJson(*rig.axis, scene);
-  json["stops"] = Json::array();
-  for (std::size_t s = 0; s < scene.stops.size(); ++s) {
-    json["stops"].push_back(
-        {{"id", scene.stops[s].id},
-         {"errors", StopErrorsJson(rig.model.positioner, rig.stop_errors[s], rig.stop_error_sigma[s])}});
-  }
-  return json;
-}
-
-std::string AxisText(const AxisEstimate& axis, const SeedScene& scene) {
-  const Eigen::Vector3d &d = axis.direction_in_cam, &p = axis.point_in_cam;
-  return fmt::format(
-      "axis in camera {}: direction ({:.6f}, {:.6f}, {:.6f}) +- {:.4f} degrees, through ({:.3f}, {:.3f}, {:.3f}) +- "
-      "{:.3f} mm\n",
-      scene.cameras[axis.camera].id, d.x(), d.y(), d.z(), axis.direction_sigma_rad * kDegPerRad, 1e3 * p.x(),
-      1e3 * p.y(), 1e3 * p.z(), 1e3 * axis.point_sigma_m);
+std::vector<std::string> CameraIds(const SeedScene& scene) {
+  std::vector<std::string> ids;
+  for (const SeedCamera& camera : scene.cameras) ids.push_back(camera.id);
+  return ids;
 }
 
 }  // namespace
@@ -133,7 +90,7 @@ std::string SeedReportText(const SeedScene& scene, const std::vector<ChartDetect
                {"board", BoardJson(seed)},
                {"advice", seed.report.advice},
                {"contradictions", seed.report.contradictions}};
-  if (seed.rig) json["rig"] = RigJson(scene, *seed.rig);
+  if (seed.rig) json["rig"] = RigFitJson(*seed.rig, CameraIds(scene));
   return JsonText(json);
 }
 
@@ -150,7 +107,7 @@ std::string SeedSummaryText(const SeedScene& scene, const SeedResult& seed) {
         camera.id, camera.fx_px, sigma[kFx], camera.fy_px, sigma[kFy], camera.cx_px, sigma[kCx], camera.cy_px,
         sigma[kCy], report.num_views, report.num_corners, report.rms_px);
   }
-  if (seed.rig && seed.rig->axis) text += AxisText(*seed.rig->axis, scene);
+  if (seed.rig && seed.rig->axis) text += AxisText(*seed.rig->axis, CameraIds(scene));
   for (const std::string& sentence : seed.report.contradictions) text += sentence + "\n";
   for (const std::string& sentence : seed.report.advice) text += sentence + "\n";
   return text;

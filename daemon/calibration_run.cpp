@@ -74,6 +74,7 @@ Result<RefinedRig> RefineRig(const ImageSet& images, const RigCalibration& seed,
     rig.tracks = std::move(adjusted->tracks);
   }
   rig.calibration = state->calibration;
+  FinishRig(*state, options, rig);
   rig.patch_colours_bgr = PatchColours(rig.patches, images, rig.calibration);
 
   Result<ValidationReport> validation =

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "config/run_report.h"
+#include "core/adjust/adjust.h"
 #include "core/base/result.h"
 #include "core/rig/priors.h"
 #include "core/scene/image_set.h"
@@ -25,6 +26,7 @@ struct RefineOptions {
   IntrinsicsMode intrinsics = IntrinsicsMode::kPerCamera;
   std::vector<CameraPrior> camera_priors;  ///< one per camera
   std::vector<bool> fixed_views;           ///< --fix-cameras; empty: none
+  std::optional<RigTerms> rig;             ///< --poses rig: the poses are those of a rig; nothing: they are free
   double holdout_share = 0.12;             ///< of the tracks (DESIGN.md section 4: 10 to 20 %)
   std::uint64_t random_seed = 1;
 };

@@ -6,6 +6,7 @@
 
 #include "core/base/random.h"
 #include "core/image/sharpness.h"
+#include "core/rig/rig_axis.h"
 #include "core/scene/expected_error.h"
 #include "core/validate/compare.h"
 
@@ -74,6 +75,7 @@ double MotionPx(const RigCalibration& before, const Adjustment& adjustment) {
 void Advance(RefineState& state, const Adjustment& adjustment, const ImageSet& images, const RefineOptions& options) {
   state.moved_px = MotionPx(state.calibration, adjustment);
   state.calibration = adjustment.calibration;
+  state.rig = adjustment.rig;
   state.expected_error_px = adjustment.report.expected_error_px;
   // L is fixed in the paper; here it may fall (DESIGN.md section 3, point 6) but never rises.
   if (options.method == RefineMethod::kRigcal) {
@@ -98,6 +100,7 @@ Result<RefineState> BeginRefinement(const ImageSet& images, const RigCalibration
                                     RunContext& context, RunReport& report) {
   RefineState state{.calibration = seed};
   state.calibration.covariance.reset();
+  state.calibration.rig.reset();
   if (options.expected_error_px) {
     state.initial_error_px = *options.expected_error_px;
   } else {
@@ -155,9 +158,14 @@ AdjustOptions AdjustOptionsFor(const RefineState& state, const RigCalibration& s
   }
   adjust.intrinsics = options.intrinsics;
   adjust.min_expected_error_px = std::ldexp(1.0, state.level);
-  adjust.camera_priors = options.camera_priors;
   adjust.noise.weight_by_covariance = true;
   adjust.noise.systematic_sigma_px = kSystematicSigmaPx;
+  if (options.rig) {
+    adjust.rig = options.rig;
+    if (state.rig) adjust.rig->start = state.rig->state;
+    return adjust;
+  }
+  adjust.camera_priors = options.camera_priors;
   adjust.seed_prior = SeedPrior{.seed = seed, .expected_error_px = state.initial_error_px};
   adjust.fixed_views = options.fixed_views;
   return adjust;
@@ -216,6 +224,20 @@ ValidationInput EvidenceFor(const ImageSet& images, const RigCalibration& calibr
                         .camera_priors = options.camera_priors};
   for (const ViewImages& view : images.views) input.sharpness.push_back(Sharpness(view.gray[0], view.mask));
   return input;
+}
+
+void FinishRig(const RefineState& state, const RefineOptions& options, RefinedRig& rig) {
+  if (!options.rig || !state.rig) return;
+  RigFit fit{.positioner = state.rig->state.model.positioner,
+             .stop_errors = state.rig->state.stop_errors,
+             .stop_error_sigma = state.rig->stop_error_sigma};
+  for (const StopPosition& stop : options.rig->stops) fit.stop_ids.push_back(stop.id);
+  if (rig.calibration.rig) {
+    rig.calibration.rig->axes = options.rig->axes;
+    fit.axis = AxisOf(*rig.calibration.rig);
+  }
+  rig.report.rig = std::move(fit);
+  rig.report.contradictions = state.rig->contradictions;
 }
 
 void ReportOutcome(const RigCalibration& calibration, const TrackSet& tracks, const ValidationReport& validation,

@@ -13,6 +13,7 @@ namespace rigcal {
 /// Where the rounds stand: the cameras so far and how wrong each view may be.
 struct RefineState {
   RigCalibration calibration;
+  std::optional<RigOutcome> rig;          ///< with RefineOptions::rig, after an adjustment
   double initial_error_px = 0;            ///< Er of the run
   std::vector<double> expected_error_px;  ///< Er of each view
   int round = 0;
@@ -54,5 +55,8 @@ ValidationInput EvidenceFor(const ImageSet& images, const RigCalibration& calibr
 /// Completes the report from the last round's tracks, the cameras with their sigma, and the verdict.
 void ReportOutcome(const RigCalibration& calibration, const TrackSet& tracks, const ValidationReport& validation,
                    RunReport& report);
+
+/// What was found of the rig, when there is one, goes into the report and into the calibration.
+void FinishRig(const RefineState& state, const RefineOptions& options, RefinedRig& rig);
 
 }  // namespace rigcal

@@ -86,6 +86,7 @@ Result<SeededRig> SeedRig(const ChartRecording& chart, RunContext& context) {
   if (!seed) return Fail(seed.error());
   rig.detections = std::move(*detections);
   rig.seed = std::move(*seed);
+  if (rig.seed.calibration.rig) rig.seed.calibration.rig->axes = chart.rig->axes;
   return rig;
 }
 

@@ -5,6 +5,7 @@
 
 #include "core/adjust/bundle.h"
 #include "core/adjust/fit_quality.h"
+#include "core/adjust/let_go.h"
 #include "core/adjust/posterior.h"
 #include "core/adjust/round_report.h"
 #include "core/base/ensure.h"
@@ -30,12 +31,21 @@ bool IsHeld(const AdjustOptions& options, int view) {
   return !options.fixed_views.empty() && options.fixed_views[view];
 }
 
+/// With a rig the lens is adjusted as far as the seed left it uncertain, distortion included.
+void FreeWhatThePriorDoes(const RigPrior& prior, int camera, std::array<bool, kNumIntrinsics>& intrinsics) {
+  for (int k = 0; k < kNumIntrinsics; ++k) {
+    const int row = RigCovariance::IntrinsicsRow(camera) + k;
+    intrinsics[k] = prior.covariance.joint(row, row) > 0;
+  }
+}
+
 FreeParameters ChooseFree(const RigCalibration& start, const AdjustOptions& options) {
   FreeParameters free = AllPinholeParameters(start);
   for (int camera = 0; camera < start.NumCameras(); ++camera) {
     auto& intrinsics = free.intrinsics[camera];
     intrinsics[kSkew] = options.paper;
     for (const int k : {kK1, kK2, kP1, kP2, kK3}) intrinsics[k] = options.refine_distortion && !options.paper;
+    if (options.rig) FreeWhatThePriorDoes(options.rig->prior, camera, intrinsics);
     if (options.intrinsics == IntrinsicsMode::kFixed) intrinsics.fill(false);
   }
   for (int view = 0; view < start.NumViews(); ++view) {
@@ -53,6 +63,9 @@ void EnsurePromises(const RigCalibration& start, const std::vector<double>& expe
   Ensure(options.fixed_views.empty() || options.fixed_views.size() == num_views, "one fixed flag per view");
   Ensure(options.camera_priors.empty() || options.camera_priors.size() == num_cameras, "one prior per camera");
   Ensure(!options.seed_prior || options.seed_prior->seed.views.size() == num_views, "the seed has the same views");
+  Ensure(!options.rig || (options.rig->stop_of_view.size() == num_views && options.fixed_views.empty()),
+         "with a rig every view has a stop and none is fixed");
+  Ensure(!options.rig || options.rig->prior.cameras.size() == num_cameras, "the rig has the same cameras");
   const bool own_cameras = options.paper || options.intrinsics == IntrinsicsMode::kPerView;
   Ensure(!own_cameras || num_cameras == num_views, "intrinsics per view need one camera per view");
 }
@@ -80,6 +93,8 @@ BundleTerms TermsOf(const RigCalibration& start, const TrackSet& tracks, const A
   BundleTerms terms;
   terms.free = ChooseFree(start, options);
   if (options.paper) return terms;
+  terms.rig = options.rig;
+  if (terms.rig) return terms;
   terms.camera_priors = options.camera_priors;
   if (!options.seed_prior) return terms;
   terms.anchor_sigma_px = options.seed_prior->expected_error_px;
@@ -102,22 +117,47 @@ void HoldUndetermined(const MeasurementSet& measurements, BundleTerms& terms) {
   }
 }
 
-/// Solves, drops what is grossly wrong, solves again. The loss of the first solution is as wide as the cameras are off:
-/// a narrow one would take right features of a wrong view for outliers.
-Result<int> SolveRobustly(const BundleTerms& terms, const AdjustOptions& options, const Execution& execution,
-                          RigCalibration& calibration, MeasurementSet& measurements) {
+/// How far off the features of the view that is farthest off are (median): a rig moves many views at once, and the
+/// features of a camera that was bumped must not pass for outliers.
+double WidestView(const FitResiduals& residuals, const MeasurementSet& measurements, int num_views) {
+  std::vector<std::vector<double>> by_view(static_cast<std::size_t>(num_views));
+  for (std::size_t i = 0; i < measurements.items.size(); ++i) {
+    by_view[static_cast<std::size_t>(measurements.items[i].view)].push_back(residuals.sigmas[i]);
+  }
+  double widest = 0;
+  for (std::vector<double>& view : by_view) {
+    if (!view.empty()) widest = std::max(widest, Median(std::move(view)));
+  }
+  return widest;
+}
+
+/// Solves, drops what is grossly wrong (and lets go of the parts of a rig that are elsewhere), solves again. The loss
+/// of the first solution is as wide as the cameras are off: a narrow one would take right features of a wrong view for
+/// outliers.
+Result<int> SolveRobustly(const AdjustOptions& options, const Execution& execution, BundleTerms& terms,
+                          BundleUnknowns& unknowns, std::vector<std::string>& contradictions) {
+  const RigCalibration& calibration = unknowns.calibration;
+  MeasurementSet& measurements = unknowns.measurements;
   const double final_scale = options.cauchy_scale_px / options.noise.observation_sigma_px;
-  const double first_scale = std::max(final_scale, Median(ResidualsOf(calibration, measurements).sigmas));
+  const FitResiduals before = ResidualsOf(calibration, measurements);
+  const double first_scale = std::max(
+      final_scale, terms.rig ? WidestView(before, measurements, calibration.NumViews()) : Median(before.sigmas));
   BundleLimits first_limits = kFirstLimits, final_limits = kFinalLimits;
   first_limits.cauchy_scale = first_scale, final_limits.cauchy_scale = final_scale;
-  const Result<int> first = SolveBundle(terms, first_limits, execution, calibration, measurements);
-  if (!first) return first;
+  int iterations = 0;
+  LetGo let_go;
+  do {
+    const Result<int> first = SolveBundle(terms, first_limits, execution, unknowns);
+    if (!first) return first;
+    iterations += *first;
+  } while (terms.rig && LetGoOfWorst(unknowns, options.contradiction_sigmas, *terms.rig, let_go));
   execution.Report(0.5);
   DropGrossErrors(ResidualsOf(calibration, measurements), final_scale, calibration.NumViews(), measurements);
   if (measurements.items.empty()) return Fail(ErrorCode::kBadInput, "bundle adjustment: no two features agree");
-  const Result<int> last = SolveBundle(terms, final_limits, execution, calibration, measurements);
+  const Result<int> last = SolveBundle(terms, final_limits, execution, unknowns);
   if (!last) return last;
-  return *first + *last;
+  if (terms.rig) contradictions = SentencesOf(let_go, unknowns, *options.rig);
+  return iterations + *last;
 }
 
 void MoveToFrame(const Similarity3d& new_from_old, RigCalibration& calibration, MeasurementSet& measurements) {
@@ -160,28 +200,31 @@ Result<Adjustment> Adjust(const RigCalibration& start, const TrackSet& tracks,
                           const Execution& execution) {
   EnsurePromises(start, expected_error_px, options);
   if (execution.Stopped()) return Cancelled("bundle adjustment");
-  Adjustment out;
-  out.calibration = start;
-  out.calibration.covariance.reset();
-  MeasurementSet measurements = MeasurementsOf(start, Retriangulated(start, tracks), options.noise);
-  const int num_offered = static_cast<int>(measurements.items.size());
-  const int num_offered_tracks = static_cast<int>(measurements.x_in_world.size());
+  BundleUnknowns unknowns{.calibration = start,
+                          .measurements = MeasurementsOf(start, Retriangulated(start, tracks), options.noise)};
+  unknowns.calibration.covariance.reset();
+  unknowns.calibration.rig.reset();
+  if (options.rig) unknowns.rig = options.rig->start;
+  const int num_offered = static_cast<int>(unknowns.measurements.items.size());
+  const int num_offered_tracks = static_cast<int>(unknowns.measurements.x_in_world.size());
   BundleTerms terms = TermsOf(start, tracks, options);
-  HoldUndetermined(measurements, terms);
+  if (!terms.rig) HoldUndetermined(unknowns.measurements, terms);
   if (num_offered == 0 || RowsOf(terms.free).count == 0) {
     return Fail(ErrorCode::kBadInput, "bundle adjustment: nothing to adjust with {} features and {} free parameters",
                 num_offered, RowsOf(terms.free).count);
   }
 
-  const Result<int> iterations = options.paper
-                                     ? SolveBundle(terms, kPaperLimits, execution, out.calibration, measurements)
-                                     : SolveRobustly(terms, options, execution, out.calibration, measurements);
+  std::vector<std::string> contradictions;
+  const Result<int> iterations = options.paper ? SolveBundle(terms, kPaperLimits, execution, unknowns)
+                                               : SolveRobustly(options, execution, terms, unknowns, contradictions);
   if (!iterations) return Fail(iterations.error());
-  const bool gauge_is_free = !terms.free.AnyPoseFixed();
+  const bool gauge_is_free = !terms.rig && !terms.free.AnyPoseFixed();
   if (gauge_is_free && !terms.anchors.empty()) {
-    MoveToFrame(AlignmentToSeed(out.calibration, terms.anchors), out.calibration, measurements);
+    MoveToFrame(AlignmentToSeed(unknowns.calibration, terms.anchors), unknowns.calibration, unknowns.measurements);
   }
 
+  Adjustment out{.calibration = std::move(unknowns.calibration)};
+  const MeasurementSet& measurements = unknowns.measurements;
   const FitResiduals residuals = ResidualsOf(out.calibration, measurements);
   const double cauchy_scale = options.paper ? 0 : options.cauchy_scale_px / options.noise.observation_sigma_px;
   const NoiseEstimate noise = EstimateNoise(
@@ -193,10 +236,12 @@ Result<Adjustment> Adjust(const RigCalibration& start, const TrackSet& tracks,
   out.report.num_dropped_tracks = num_offered_tracks - static_cast<int>(measurements.x_in_world.size());
   out.report.observation_sigma_px = noise.sigma * options.noise.observation_sigma_px;
   ReportFit(residuals, measurements, expected_error_px, options, out.report);
+  if (terms.rig) {
+    out.rig = RigOutcome{std::move(*unknowns.rig), std::vector(terms.rig->stops.size(), StopError(StopError::Zero())),
+                         std::move(contradictions)};
+  }
   if (options.estimate_covariance && !options.paper && (!gauge_is_free || !terms.anchors.empty())) {
-    Posterior posterior = PosteriorAt(out.calibration, measurements, noise, terms, out.tracks);
-    out.calibration.covariance = std::move(posterior.covariance);
-    out.report.weakest_directions_px = std::move(posterior.weakest_directions_px);
+    WritePosterior(measurements, noise, terms, out);
   }
   execution.Report(1);
   return out;

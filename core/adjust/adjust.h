@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/base/execution.h"
@@ -10,6 +11,22 @@
 #include "core/scene/track.h"
 
 namespace rigcal {
+
+/// Where the rig stands.
+struct RigState {
+  RigModel model;                      ///< with the geometry and mounts of the moment
+  std::vector<StopError> stop_errors;  ///< per stop
+};
+
+/// The views' poses are those that a rig gives them at its stops.
+struct RigTerms {
+  RigPrior prior;  ///< takes the place of the seed prior and of the camera priors
+  RigState start;  ///< gives the poses with which the adjustment starts
+  std::vector<StopPosition> stops;
+  std::vector<StopError> stop_error_sigma;  ///< per stop: of the prior about zero; 0: held at zero
+  std::vector<int> stop_of_view;
+  std::vector<std::string> axes;  ///< their names, for whoever reads the result
+};
 
 struct AdjustOptions {
   IntrinsicsMode intrinsics = IntrinsicsMode::kPerCamera;
@@ -22,6 +39,8 @@ struct AdjustOptions {
   std::optional<SeedPrior> seed_prior;     ///< none for --method paper
   std::vector<bool> fixed_views;           ///< --fix-cameras; empty: none fixed
   bool estimate_covariance = true;         ///< needs a gauge: a seed prior or a fixed view
+  std::optional<RigTerms> rig;             ///< nothing: a free pose for each view
+  double contradiction_sigmas = 5;         ///< a stop or mount farther than this from the rig contradicts it (issue 3)
   bool paper = false;  ///< five free intrinsics per view, sum of squares (1), Er = mean + 3 sigma for all views alike
 };
 
@@ -39,17 +58,26 @@ struct AdjustReport {
   std::vector<double> weakest_directions_px;
 };
 
+struct RigOutcome {
+  RigState state;
+  std::vector<StopError> stop_error_sigma;  ///< zeros without covariance
+  /// Stops and cameras that are not where the rig has them, one sentence each; their priors were let go.
+  std::vector<std::string> contradictions;
+};
+
 struct Adjustment {
-  RigCalibration calibration;  ///< refined, in the seed's gauge and scale, with covariance when asked for
+  /// Refined, in the seed's gauge and scale, with covariance when asked for; with a rig and a covariance also the rig.
+  RigCalibration calibration;
   /// With refined x_in_world and without what was dropped as grossly wrong; held-out tracks are whole, triangulated
   /// anew (where that fails they keep their point).
   TrackSet tracks;
   AdjustReport report;
+  std::optional<RigOutcome> rig;  ///< when the options have one
 };
 
 /// Bundle adjustment (paper equation (1), with the priors of DESIGN.md section 3). `expected_error_px` is each view's
-/// Er of this round. Reproducible bit by bit: Ceres runs with one thread. Errors: kCancelled; kBadInput when nothing is
-/// left to adjust.
+/// Er of this round. With a rig `start` has the poses that follow from its start. Reproducible bit by bit: Ceres runs
+/// with one thread. Errors: kCancelled; kBadInput when nothing is left to adjust.
 Result<Adjustment> Adjust(const RigCalibration& start, const TrackSet& tracks,
                           const std::vector<double>& expected_error_px, const AdjustOptions& options,
                           const Execution& execution);

@@ -1,10 +1,9 @@
 #include "core/adjust/bundle.h"
 
-#include <algorithm>
 #include <map>
 #include <memory>
 
-#include "core/rig/residuals.h"
+#include "core/adjust/pose_blocks.h"
 #include "core/rig/solver.h"
 
 namespace rigcal {
@@ -23,23 +22,30 @@ ceres::Problem::Options ProblemOptions() {
 /// address, and the order decides the rounding.
 class Bundle {
  public:
-  Bundle(const BundleTerms& terms, double cauchy_scale, const RigCalibration& calibration,
-         const MeasurementSet& measurements)
-      : points_(measurements.x_in_world), problem_(ProblemOptions()) {
-    for (const Camera& camera : calibration.cameras) {
+  Bundle(const BundleTerms& terms, double cauchy_scale, const BundleUnknowns& start)
+      : points_(start.measurements.x_in_world),
+        num_views_(start.calibration.NumViews()),
+        poses_(terms.rig ? RigPoseBlocks(terms, start) : FreePoseBlocks(terms, start)),
+        problem_(ProblemOptions()) {
+    for (const Camera& camera : start.calibration.cameras) {
       IntrinsicVector::Map(intrinsics_.emplace_back().data()) = camera.Intrinsics();
     }
-    for (const View& view : calibration.views) poses_.push_back(PoseBlockOf(view.cam_from_world));
-    AddFeatures(cauchy_scale, calibration, measurements);
-    AddPriors(terms, calibration);
+    for (const Measurement& m : start.measurements.items) {
+      poses_->AddFeature(m, LossOf(m.weight, cauchy_scale), intrinsics_[start.calibration.views[m.view].camera].data(),
+                         points_[m.point].data(), problem_);
+    }
+    poses_->AddPriors(intrinsics_, problem_);
+    for (std::size_t c = 0; c < terms.camera_priors.size(); ++c) {
+      problem_.AddResidualBlock(new IntrinsicsResidual(terms.camera_priors[c]), nullptr, intrinsics_[c].data());
+    }
+    poses_->HoldFixed(problem_);
     HoldFixed(terms.free);
   }
 
   Result<int> Solve(const BundleLimits& limits, const Execution& execution) {
     ceres::Solver::Options options;
     options.num_threads = 1;
-    options.linear_solver_type =
-        static_cast<int>(poses_.size()) <= kMaxDenseViews ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
+    options.linear_solver_type = num_views_ <= kMaxDenseViews ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
     options.dense_linear_algebra_library_type = ceres::EIGEN;
     options.linear_solver_ordering = PointsFirst();
     options.max_num_iterations = limits.max_iterations;
@@ -60,14 +66,12 @@ class Bundle {
     return static_cast<int>(summary.iterations.size());
   }
 
-  void WriteTo(const FreeParameters& free, RigCalibration& calibration, MeasurementSet& measurements) const {
+  void WriteTo(BundleUnknowns& unknowns) const {
     for (std::size_t c = 0; c < intrinsics_.size(); ++c) {
-      calibration.cameras[c].SetIntrinsics(IntrinsicVector::Map(intrinsics_[c].data()));
+      unknowns.calibration.cameras[c].SetIntrinsics(IntrinsicVector::Map(intrinsics_[c].data()));
     }
-    for (std::size_t v = 0; v < poses_.size(); ++v) {
-      if (free.poses[v]) calibration.views[v].cam_from_world = PoseOf(poses_[v].data());
-    }
-    measurements.x_in_world = points_;
+    poses_->WriteTo(unknowns);
+    unknowns.measurements.x_in_world = points_;
   }
 
  private:
@@ -79,25 +83,6 @@ class Bundle {
       loss = std::make_unique<ceres::ScaledLoss>(robust, weight, ceres::TAKE_OWNERSHIP);
     }
     return loss.get();
-  }
-
-  void AddFeatures(double cauchy_scale, const RigCalibration& calibration, const MeasurementSet& measurements) {
-    for (const Measurement& m : measurements.items) {
-      problem_.AddResidualBlock(new FeatureResidual(m.x_px, m.whitening), LossOf(m.weight, cauchy_scale),
-                                intrinsics_[calibration.views[m.view].camera].data(), poses_[m.view].data(),
-                                points_[m.point].data());
-    }
-  }
-
-  void AddPriors(const BundleTerms& terms, const RigCalibration& calibration) {
-    for (const SeedAnchor& anchor : terms.anchors) {
-      if (!terms.free.poses[anchor.view]) continue;
-      problem_.AddResidualBlock(new AnchorResidual(anchor.x_in_world, anchor.seed_px, terms.anchor_sigma_px), nullptr,
-                                intrinsics_[calibration.views[anchor.view].camera].data(), poses_[anchor.view].data());
-    }
-    for (std::size_t c = 0; c < terms.camera_priors.size(); ++c) {
-      problem_.AddResidualBlock(new IntrinsicsResidual(terms.camera_priors[c]), nullptr, intrinsics_[c].data());
-    }
   }
 
   void HoldFixed(const FreeParameters& free) {
@@ -115,29 +100,24 @@ class Bundle {
         problem_.SetManifold(block, subsets_.back().get());
       }
     }
-    for (std::size_t v = 0; v < poses_.size(); ++v) {
-      if (!problem_.HasParameterBlock(poses_[v].data())) continue;
-      problem_.SetManifold(poses_[v].data(), &pose_manifold_);
-      if (!free.poses[v]) problem_.SetParameterBlockConstant(poses_[v].data());
-    }
   }
 
   std::shared_ptr<ceres::ParameterBlockOrdering> PointsFirst() {
+    std::vector<std::vector<double*>> kinds = {Addresses(points_), Addresses(intrinsics_)};
+    for (std::vector<double*>& kind : poses_->Kinds()) kinds.push_back(std::move(kind));
     auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
-    for (auto& point : points_) ordering->AddElementToGroup(point.data(), 0);
-    for (auto& block : intrinsics_) {
-      if (problem_.HasParameterBlock(block.data())) ordering->AddElementToGroup(block.data(), 1);
-    }
-    for (auto& block : poses_) {
-      if (problem_.HasParameterBlock(block.data())) ordering->AddElementToGroup(block.data(), 2);
+    for (std::size_t group = 0; group < kinds.size(); ++group) {
+      for (double* block : kinds[group]) {
+        if (problem_.HasParameterBlock(block)) ordering->AddElementToGroup(block, static_cast<int>(group));
+      }
     }
     return ordering;
   }
 
   std::vector<IntrinsicsBlock> intrinsics_;
-  std::vector<PoseBlock> poses_;
   std::vector<Eigen::Vector3d> points_;
-  PoseManifold pose_manifold_;
+  int num_views_;
+  std::unique_ptr<PoseBlocks> poses_;
   std::vector<std::unique_ptr<ceres::SubsetManifold>> subsets_;
   std::map<double, std::unique_ptr<ceres::LossFunction>> losses_;  ///< by weight: one for each view and source
   ceres::Problem problem_;                                         // last: it uses the others until it is destroyed
@@ -146,10 +126,10 @@ class Bundle {
 }  // namespace
 
 Result<int> SolveBundle(const BundleTerms& terms, const BundleLimits& limits, const Execution& execution,
-                        RigCalibration& calibration, MeasurementSet& measurements) {
-  Bundle bundle(terms, limits.cauchy_scale, calibration, measurements);
+                        BundleUnknowns& unknowns) {
+  Bundle bundle(terms, limits.cauchy_scale, unknowns);
   Result<int> iterations = bundle.Solve(limits, execution);
-  if (iterations) bundle.WriteTo(terms.free, calibration, measurements);
+  if (iterations) bundle.WriteTo(unknowns);
   return iterations;
 }
 

@@ -1,21 +1,29 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
-#include "core/base/execution.h"
+#include "core/adjust/adjust.h"
 #include "core/rig/free_parameters.h"
 #include "core/rig/measurements.h"
-#include "core/rig/priors.h"
 #include "core/rig/seed_anchors.h"
 
 namespace rigcal {
 
 /// Everything that a solution depends on but the unknowns themselves.
 struct BundleTerms {
-  FreeParameters free;
+  FreeParameters free;  ///< with a rig all poses are
   std::vector<SeedAnchor> anchors;
   double anchor_sigma_px = 1;
   std::vector<CameraPrior> camera_priors;  ///< one per camera, or none
+  std::optional<RigTerms> rig;
+};
+
+/// Start and solution.
+struct BundleUnknowns {
+  RigCalibration calibration;
+  MeasurementSet measurements;
+  std::optional<RigState> rig;  ///< when the terms have one; the calibration's poses follow from it
 };
 
 struct BundleLimits {
@@ -29,6 +37,6 @@ struct BundleLimits {
 /// (Ceres: points eliminated first, one thread). Returns the number of iterations. Errors: kCancelled; kBadInput when
 /// the problem has no finite solution.
 Result<int> SolveBundle(const BundleTerms& terms, const BundleLimits& limits, const Execution& execution,
-                        RigCalibration& calibration, MeasurementSet& measurements);
+                        BundleUnknowns& unknowns);
 
 }  // namespace rigcal

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <string>
+#include <vector>
 
 #include "core/scene/rig_calibration.h"
 
@@ -21,6 +21,16 @@ struct SeedPrior {
   RigCalibration seed;
   double expected_error_px = 0;  ///< the run's initial Er
   int points_per_view = 12;
+};
+
+/// What is known of cameras and rig before a run: a normal density about cameras and model.
+struct RigPrior {
+  std::vector<Camera> cameras;
+  RigModel model;
+  RigCovariance covariance;
+
+  /// Rows that are known to some uncertainty; the others are held.
+  [[nodiscard]] std::vector<int> FreeRows() const;
 };
 
 }  // namespace rigcal

@@ -90,6 +90,16 @@ Rigid3d CamFromWorld(const Rigid3d& cam_from_mount, const StopMotion& motion) {
   return cam_from_mount * motion.mount_from_stage * motion.stage_from_world;
 }
 
+void PlaceViews(const RigModel& model, std::span<const StopPosition> stops, std::span<const StopError> stop_errors,
+                std::span<const int> stop_of_view, RigCalibration& calibration) {
+  for (int v = 0; v < calibration.NumViews(); ++v) {
+    View& view = calibration.views[v];
+    const int stop = stop_of_view[v];
+    const StopMotion motion = MotionAt(model.positioner, stops[stop], stop_errors[stop]);
+    view.cam_from_world = CamFromWorld(model.cam_from_mount[view.camera].value(), motion);
+  }
+}
+
 RigPose RigPoseAt(const Positioner& positioner, const Rigid3d& cam_from_mount, const StopPosition& position,
                   const StopError& error) {
   RigPose pose;

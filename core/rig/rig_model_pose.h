@@ -1,8 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 
-#include "core/scene/rig_model.h"
+#include "core/scene/rig_calibration.h"
 
 namespace rigcal {
 
@@ -29,6 +30,10 @@ struct RigPose {
 };
 RigPose RigPoseAt(const Positioner& positioner, const Rigid3d& cam_from_mount, const StopPosition& position,
                   const StopError& error);
+
+/// Gives every view of the calibration its pose at its stop. All cameras with views have a mount.
+void PlaceViews(const RigModel& model, std::span<const StopPosition> stops, std::span<const StopError> stop_errors,
+                std::span<const int> stop_of_view, RigCalibration& calibration);
 
 /// How a disturbance of b_from_a disturbs c_from_a = c_from_b * b_from_a.
 Eigen::Matrix<double, 6, 6> DisturbanceThrough(const Rigid3d& c_from_b);

@@ -7,6 +7,7 @@
 
 #include "core/geometry/camera.h"
 #include "core/geometry/rigid3.h"
+#include "core/scene/rig_estimate.h"
 
 namespace rigcal {
 
@@ -41,6 +42,7 @@ struct RigCalibration {
   std::vector<View> views;
   LengthUnit unit = LengthUnit::kUnknown;
   std::optional<CalibrationCovariance> covariance;
+  std::optional<RigEstimate> rig;  ///< when the poses are those of a rig: it gives other recordings' views theirs
 
   [[nodiscard]] const Camera& CameraOf(int view) const { return cameras[views[view].camera]; }
   [[nodiscard]] int NumViews() const { return static_cast<int>(views.size()); }

@@ -11,7 +11,7 @@
 #include "core/scene/board_shape.h"
 #include "core/scene/chart_sighting.h"
 #include "core/scene/rig_calibration.h"
-#include "core/scene/rig_model.h"
+#include "core/scene/rig_estimate.h"
 
 namespace rigcal {
 
@@ -56,26 +56,6 @@ struct HandHeldPose {
   Eigen::Matrix<double, 6, 6> covariance;  ///< of Disturbed()
 };
 
-/// The turntable's axis as a camera sees it. Sigmas: one component across the axis.
-struct AxisEstimate {
-  int camera = 0;
-  Eigen::Vector3d direction_in_cam = Eigen::Vector3d::UnitZ();  ///< angle > 0 turns counter-clockwise about it
-  Eigen::Vector3d point_in_cam = Eigen::Vector3d::Zero();       ///< at table height
-  double direction_sigma_rad = 0;
-  double point_sigma_m = 0;
-};
-
-struct RigEstimate {
-  RigModel model;                      ///< with cam_from_mount and geometry as estimated
-  std::vector<StopError> stop_errors;  ///< per stop; zero for one that no camera saw
-  std::vector<StopError> stop_error_sigma;
-  Rigid3d world_from_board;
-  std::optional<AxisEstimate> axis;  ///< of a turntable, in the first camera that saw the chart on it
-  /// Rows: for every camera 6 (Disturbed() of cam_from_mount; zero where unknown), then 6 of anchor_from_world, then 9
-  /// of axes_in_stage.
-  Eigen::MatrixXd covariance;
-};
-
 /// How well a camera's picture and its lens are determined.
 struct SeedCameraReport {
   int num_views = 0, num_corners = 0, num_outliers = 0;
@@ -99,13 +79,15 @@ struct SeedReport {
 
 struct SeedResult {
   /// Metres. Views at the stops of the rig (all of a camera whose mount is known, whether it saw the chart or not) in
-  /// the table's world; without a rig all views that saw the chart, world = board. With covariance.
+  /// the table's world; without a rig all views that saw the chart, world = board. With covariance and, where the model
+  /// holds, the rig.
   RigCalibration calibration;
   std::vector<int> view_of;  ///< per view of the calibration: index into SeedScene::views
   std::vector<HandHeldPose> hand_held;
   BoardShape board_shape;
   BoardShape board_shape_sigma;
-  std::optional<RigEstimate> rig;
+  std::optional<RigFit> rig;  ///< together with calibration.rig
+  Rigid3d world_from_board;   ///< with a rig
   SeedReport report;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/rig/rig_axis.h"
 #include "core/rig/rig_model_pose.h"
 
 namespace rigcal {
@@ -78,52 +79,32 @@ CalibrationCovariance CovarianceOf(const ChartTerms& terms, const ChartState& st
   return {joint.Covariance(covariance)};
 }
 
-/// Root mean square of the two components across `axis`.
-double SigmaAcross(const Eigen::Vector3d& axis, const Eigen::Matrix3d& covariance) {
-  const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - axis * axis.transpose();
-  return std::sqrt(std::max(0.0, (across * covariance * across).trace() / 2));
-}
-
-std::optional<AxisEstimate> AxisOf(const ChartState& state, const RigEstimate& rig) {
-  for (int c = 0; c < static_cast<int>(state.cameras.size()); ++c) {
-    if (!state.rig.cam_from_mount[c]) continue;
-    const Rigid3d& cam_from_stage = *state.rig.cam_from_mount[c];
-    AxisEstimate axis;
-    axis.camera = c;
-    axis.direction_in_cam = cam_from_stage.rotation * Eigen::Vector3d::UnitZ();
-    axis.point_in_cam = cam_from_stage.translation;
-    const Eigen::Matrix<double, 6, 6> covariance = rig.covariance.block<6, 6>(6 * c, 6 * c);
-    // direction' = direction + w x direction; point' = point + w x point + dt
-    axis.direction_sigma_rad = SigmaAcross(axis.direction_in_cam, covariance.topLeftCorner<3, 3>());
-    Eigen::Matrix<double, 3, 6> by_disturbance;
-    by_disturbance << -Skew(axis.point_in_cam), Eigen::Matrix3d::Identity();
-    axis.point_sigma_m = SigmaAcross(axis.direction_in_cam, by_disturbance * covariance * by_disturbance.transpose());
-    return axis;
+RigEstimate RigOf(const ChartState& state, const ChartColumns& columns, const Eigen::MatrixXd& covariance) {
+  const int num_cameras = static_cast<int>(state.cameras.size());
+  Derivative rows(RigCovariance::Size(num_cameras), columns.count);
+  for (int c = 0; c < num_cameras; ++c) {
+    rows.AddEach(RigCovariance::IntrinsicsRow(c), columns.intrinsics[c],
+                 Eigen::MatrixXd::Identity(kNumIntrinsics, kNumIntrinsics));
+    rows.Add(RigCovariance::MountRow(num_cameras, c), columns.mount[c], Identity6());
   }
-  return std::nullopt;
+  rows.Add(RigCovariance::AnchorRow(num_cameras), columns.anchor, Identity6());
+  rows.AddEach(RigCovariance::AxesRow(num_cameras), columns.axes, Eigen::MatrixXd::Identity(9, 9));
+  return {state.rig, {}, {rows.Covariance(covariance)}};
 }
 
-RigEstimate RigOf(const ChartTerms& terms, const ChartState& state, const ChartColumns& columns,
-                  const Eigen::MatrixXd& covariance) {
-  RigEstimate rig;
-  rig.model = state.rig;
-  rig.stop_errors = state.stop_errors;
-  rig.world_from_board = WorldFromBoard(state.place, terms.board.thickness_m);
+RigFit FitOf(const ChartTerms& terms, const ChartState& state, const ChartColumns& columns,
+             const Eigen::MatrixXd& covariance, const RigEstimate& rig) {
+  RigFit fit{.positioner = state.rig.positioner, .stop_errors = state.stop_errors};
   for (std::size_t s = 0; s < terms.stops.size(); ++s) {
-    StopError& sigma = rig.stop_error_sigma.emplace_back(StopError::Zero());
+    fit.stop_ids.push_back(terms.stops[s].id);
+    StopError& sigma = fit.stop_error_sigma.emplace_back(StopError::Zero());
     for (int k = 0; k < kStopErrorSize; ++k) {
       const int column = columns.stop_error[s][k];
       if (column >= 0) sigma[k] = std::sqrt(covariance(column, column));
     }
   }
-  const int num_cameras = static_cast<int>(state.cameras.size());
-  Derivative geometry(6 * num_cameras + 6 + 9, columns.count);
-  for (int c = 0; c < num_cameras; ++c) geometry.Add(6 * c, columns.mount[c], Identity6());
-  geometry.Add(6 * num_cameras, columns.anchor, Identity6());
-  geometry.AddEach(6 * num_cameras + 6, columns.axes, Eigen::MatrixXd::Identity(9, 9));
-  rig.covariance = geometry.Covariance(covariance);
-  if (rig.model.positioner.kind == PositionerKind::kTurntable) rig.axis = AxisOf(state, rig);
-  return rig;
+  fit.axis = AxisOf(rig);
+  return fit;
 }
 
 }  // namespace
@@ -144,7 +125,10 @@ void WriteSolution(const SeedScene& scene, const ChartTerms& terms, const ChartS
   const auto shape_sigma = [&](int k) { return std::sqrt(covariance(columns.shape + k, columns.shape + k)); };
   result.board_shape = state.shape;
   result.board_shape_sigma = {shape_sigma(0), shape_sigma(1), shape_sigma(2)};
-  if (has_rig) result.rig = RigOf(terms, state, columns, covariance);
+  if (!has_rig) return;
+  result.calibration.rig = RigOf(state, columns, covariance);
+  result.rig = FitOf(terms, state, columns, covariance, *result.calibration.rig);
+  result.world_from_board = WorldFromBoard(state.place, terms.board.thickness_m);
 }
 
 }  // namespace rigcal

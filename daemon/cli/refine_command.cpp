@@ -75,6 +75,10 @@ void AddRefineCommand(CLI::App& app, CommandSession& session) {
   command->add_option("--out", request->out, "Folder for the results")->required();
   command->add_option("--intrinsics", request->intrinsics, "per-camera, fixed or per-view")
       ->check(CLI::IsMember({"per-camera", "fixed", "per-view"}));
+  command
+      ->add_option("--poses", request->poses,
+                   "rig: as the cameras' rig gives them at the recording's stops; free; auto: rig where there is one")
+      ->check(CLI::IsMember({"auto", "rig", "free"}));
   command->add_option("--fix-cameras", request->fixed_cameras, "Cameras (or views) that stay as they are")
       ->delimiter(',');
   command->add_option("--method", request->method, "rigcal, or paper: the recipe as printed")
@@ -90,6 +94,7 @@ void AddValidateCommand(CLI::App& app, CommandSession& session) {
   CLI::App* command = app.add_subcommand("validate", "The verdict alone, on cameras from anywhere");
   auto request = std::make_shared<RunRequest>();
   request->intrinsics = "per-view";
+  request->poses = "file";
   AddRunOptions(*command, *request);
   command->add_option("--prior", request->prior, "The cameras of before, to judge the distance from");
   command->callback([request, &session] { session.exit_status = ValidateCameras(*request, session); });

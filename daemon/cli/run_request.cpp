@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "config/rig_report.h"
+#include "config/rig_views.h"
+#include "core/rig/rig_prior.h"
 #include "daemon/cli/number_options.h"
 
 namespace rigcal {
@@ -14,6 +17,9 @@ namespace {
 constexpr int kPyramidLevels = 5;
 /// Patches are coloured from pictures of this level, where a patch is about a pixel.
 constexpr int kColourLevel = 2;
+/// How far a mount may have crept since the chart was seen: a tenth of a pixel at 2000 px of focal length and 0.5 m.
+/// Chosen; a mount that moved by more than five times that is named.
+constexpr double kMountDriftRad = 5e-5, kMountDriftM = 2.5e-5;
 
 IntrinsicsMode ModeOf(const RunRequest& request) {
   if (request.method == "paper" || request.intrinsics == "per-view") return IntrinsicsMode::kPerView;
@@ -57,6 +63,7 @@ Provenance ProvenanceOf(const RunRequest& request, const PreparedRun& run) {
   p.options = {
       {"expected-error-px", request.expected_error_px ? fmt::format("{}", *request.expected_error_px) : "auto"},
       {"intrinsics", request.intrinsics},
+      {"poses", run.options.rig ? "rig" : "free"},
       {"camera-from-name", request.pictures.camera_from_name},
       {"masks", request.masks.source},
       {"mask-from-name", request.masks.mask_from_name},
@@ -70,6 +77,68 @@ Provenance ProvenanceOf(const RunRequest& request, const PreparedRun& run) {
     p.inputs.insert(p.inputs.end(), files->begin(), files->end());
   p.notes = run.cameras.notes;
   return p;
+}
+
+/// What the adjustment has to know of the rig, its cameras a little looser than the seed had them.
+RigTerms TermsOf(const RigCalibration& rigged, const RigViews& placed) {
+  const RigEstimate& rig = *rigged.rig;
+  const std::size_t num_stops = placed.stops.size();
+  RigTerms terms{.prior = {rigged.cameras, rig.model, rig.covariance},
+                 .start = {rig.model, std::vector(num_stops, StopError(StopError::Zero()))},
+                 .stops = placed.stops,
+                 .stop_error_sigma = std::vector(num_stops, rig.model.error_sigma),
+                 .stop_of_view = placed.stop_of_view,
+                 .axes = rig.axes};
+  for (int c = 0; c < rigged.NumCameras(); ++c) {
+    if (rig.model.cam_from_mount[c]) LoosenMount(c, kMountDriftRad, kMountDriftM, terms.prior);
+  }
+  return terms;
+}
+
+/// Whether the file's rig gives the views their poses. Errors: kBadInput for options that contradict each other.
+Result<bool> StartsFromRig(const RunRequest& request, const OpenedPictures& pictures, bool has_rig) {
+  const bool is_recording = !pictures.recorded.file.name.empty();
+  if (request.poses == "rig") {
+    if (!is_recording)
+      return Fail(ErrorCode::kBadInput, "--poses rig needs a --recording: plain pictures have no stops");
+    if (!has_rig)
+      return Fail(ErrorCode::kBadInput, "{}: has no rig for --poses rig; `rigcal seed --rig` makes one",
+                  request.cameras.string());
+    if (!request.fixed_cameras.empty())
+      return Fail(ErrorCode::kBadInput, "--fix-cameras needs --poses free: a rig gives the views their poses together");
+  }
+  const bool starts = has_rig && is_recording && request.poses != "file";
+  if (starts && ModeOf(request) == IntrinsicsMode::kPerView)
+    return Fail(ErrorCode::kBadInput, "{}: its cameras belong to a rig and cannot be taken apart view by view",
+                request.cameras.string());
+  return starts;
+}
+
+/// The cameras with a pose for each picture; `terms` are filled when the poses are those of a rig.
+Result<LoadedCameras> CamerasFor(const RunRequest& request, const OpenedPictures& pictures,
+                                 std::optional<RigTerms>& terms) {
+  auto rigged = LoadRiggedCameras(request.cameras);
+  if (!rigged) return Fail(rigged.error());
+  const Result<bool> starts_from_rig = StartsFromRig(request, pictures, rigged->has_value());
+  if (!starts_from_rig) return Fail(starts_from_rig.error());
+  if (*starts_from_rig) {
+    const RiggedCameras& rig = **rigged;
+    auto placed = PlaceRecording(rig.calibration, request.cameras.string(), pictures.recorded.recording,
+                                 pictures.folder.string());
+    if (!placed) return Fail(placed.error());
+    if (request.poses != "free" && request.fixed_cameras.empty()) terms = TermsOf(rig.calibration, *placed);
+    LoadedCameras loaded{.calibration = std::move(placed->calibration), .sizes_known = true};
+    loaded.files = {rig.file};
+    return loaded;
+  }
+  CameraFileOptions file = pictures.naming;
+  file.intrinsics = ModeOf(request);
+  file.allow_skew = request.method == "paper";
+  auto cameras = LoadCameras(request.cameras, file);
+  if (!cameras) return cameras;
+  if (auto complete = CheckAllHaveCameras(pictures.recorded, cameras->calibration, request.cameras); !complete)
+    return Fail(complete.error());
+  return cameras;
 }
 
 }  // namespace
@@ -99,14 +168,9 @@ Result<PreparedRun> PrepareRun(const RunRequest& request, RunContext& context) {
   if (!pictures) return Fail(pictures.error());
   run.pictures = std::move(*pictures);
 
-  CameraFileOptions file = run.pictures.naming;
-  file.intrinsics = ModeOf(request);
-  file.allow_skew = request.method == "paper";
-  auto cameras = LoadCameras(request.cameras, file);
+  auto cameras = CamerasFor(request, run.pictures, run.options.rig);
   if (!cameras) return Fail(cameras.error());
   run.cameras = std::move(*cameras);
-  if (auto complete = CheckAllHaveCameras(run.pictures.recorded, run.cameras.calibration, request.cameras); !complete)
-    return Fail(complete.error());
 
   ImageOptions options{.num_levels = kPyramidLevels, .colour_level = kColourLevel};
   options.masks = request.masks.Source();
@@ -150,6 +214,12 @@ std::string VerdictText(const RunReport& report) {
         fmt::format("  {}{}: {:.4g} {} against a limit of {:.4g} {}\n", reason.check,
                     reason.view ? " (" + *reason.view + ")" : "", reason.value, reason.unit, reason.limit, reason.unit);
   }
+  if (report.rig && report.rig->axis) {
+    std::vector<std::string> camera_ids;
+    for (const CameraReport& camera : report.cameras) camera_ids.push_back(camera.camera.id);
+    text += AxisText(*report.rig->axis, camera_ids);
+  }
+  for (const std::string& sentence : report.contradictions) text += sentence + "\n";
   return text;
 }
 

@@ -27,6 +27,9 @@ struct RunRequest {
   double aspect = CameraPrior{}.aspect;
   double aspect_sigma = CameraPrior{}.aspect_sigma;
   std::vector<std::string> fixed_cameras;
+  /// rig: as the cameras' rig gives them; free: those are a start; auto: rig where there is one and pictures have
+  /// stops; file: as the camera file has them, by the pictures' names
+  std::string poses = "auto";
   std::string method = "rigcal";
   int num_rounds = RefineOptions{}.num_rounds;
   double holdout_share = RefineOptions{}.holdout_share;

@@ -51,7 +51,7 @@ TEST(SeedReportText, TellsTheAxisAndTheErrorsOfEachStop) {
   SeedScene scene = ExampleScene();
   scene.stops = {{.id = "00", .axes = {0}}, {.id = "01", .axes = {0.5}}};
   SeedResult seed = ExampleSeed();
-  seed.rig = RigEstimate{.model = Turntable()};
+  seed.rig = RigFit{.positioner = Turntable().positioner, .stop_ids = {"00", "01"}};
   seed.rig->axis = AxisEstimate{.camera = 0, .direction_sigma_rad = 1e-4, .point_sigma_m = 2e-5};
   seed.rig->stop_errors.assign(2, StopError::Zero());
   seed.rig->stop_error_sigma.assign(2, StopError::Constant(1e-4));

@@ -131,7 +131,7 @@ TEST(SeedCameras, ViewsAndStopsWithoutChartAreNormal) {
   const Result<SeedResult> result = SeedCameras(studio.scene, {}, {});
   ASSERT_TRUE(result) << result.error().message;
   EXPECT_EQ(result->calibration.NumViews(), 24);
-  EXPECT_FALSE(result->rig->model.cam_from_mount[2]);
+  EXPECT_FALSE(result->calibration.rig->model.cam_from_mount[2]);
   EXPECT_NEAR(result->rig->stop_error_sigma[3][kStep], 0.03 * kDegree, 1e-9);  // the prior is all there is
   EXPECT_THAT(result->report.advice, Contains(HasSubstr("camera cam2: never saw the chart at a stop")));
   EXPECT_LT(AxisErrorOf(studio, *result).direction_rad, 0.06 * kDegree);
@@ -157,7 +157,9 @@ void ExpectMountsRecovered(const Studio& studio) {
   normalised.Collect(studio, *result);
   EXPECT_LT(MomentsOf(normalised.poses).deviation, 1.6);
   EXPECT_LT(MomentsOf(normalised.axis).deviation, 1.6);
-  EXPECT_LT(PoseDifference(*result->rig->model.cam_from_mount[0], *studio.truth.rig.cam_from_mount[0]).norm(), 2e-3);
+  EXPECT_LT(
+      PoseDifference(*result->calibration.rig->model.cam_from_mount[0], *studio.truth.rig.cam_from_mount[0]).norm(),
+      2e-3);
 }
 
 TEST(SeedCameras, RecoversAGantry) {
@@ -189,7 +191,8 @@ TEST(SeedCameras, AnExactGantryIsNoDivisionByZero) {
   studio.scene.rig->axis_scale_sigma = 0;
   const Result<SeedResult> result = SeedCameras(studio.scene, {}, {});
   ASSERT_TRUE(result) << result.error().message;
-  for (int k = 0; k < 2; ++k) EXPECT_NEAR(result->rig->model.positioner.axes_in_stage.col(k).norm(), 1, 1e-6);
+  for (int k = 0; k < 2; ++k)
+    EXPECT_NEAR(result->calibration.rig->model.positioner.axes_in_stage.col(k).norm(), 1, 1e-6);
 }
 
 TEST(SeedCameras, RefusesWhatDoesNotFit) {

@@ -41,8 +41,10 @@ struct Normalised {
       for (int k = 0; k < 6; ++k) push(poses, error[k], sigma[CalibrationCovariance::PoseRow(num_cameras, i) + k]);
     }
     for (int c = 0; c < num_cameras; ++c) {
-      const auto error = PoseDifference(*result.rig->model.cam_from_mount[c], *studio.truth.rig.cam_from_mount[c]);
-      for (int k = 0; k < 6; ++k) push(axis, error[k], std::sqrt(result.rig->covariance(6 * c + k, 6 * c + k)));
+      const RigEstimate& rig = *result.calibration.rig;
+      const auto error = PoseDifference(*rig.model.cam_from_mount[c], *studio.truth.rig.cam_from_mount[c]);
+      const int row = RigCovariance::MountRow(num_cameras, c);
+      for (int k = 0; k < 6; ++k) push(axis, error[k], std::sqrt(rig.covariance.joint(row + k, row + k)));
     }
     for (std::size_t s = 0; s < studio.truth.stop_errors.size(); ++s) {
       for (int k = 0; k < kStopErrorSize; ++k) {

@@ -1,0 +1,85 @@
+#include "core/adjust/rig_posterior.h"
+
+#include <cmath>
+
+#include "core/rig/camera_information.h"
+#include "core/rig/rig_model_pose.h"
+
+namespace rigcal {
+namespace {
+
+/// Columns: those of RigCovariance, then kStopErrorSize for each stop.
+struct RigColumns {
+  int num_cameras, num_stops;
+  [[nodiscard]] int Stop(int stop) const { return RigCovariance::Size(num_cameras) + kStopErrorSize * stop; }
+  [[nodiscard]] int Count() const { return Stop(num_stops); }
+};
+
+/// How intrinsics and poses (rows as in CalibrationCovariance) follow from the rig.
+Eigen::MatrixXd ByRig(const RigTerms& rig, const RigState& state, const RigCalibration& solution,
+                      const RigColumns& columns) {
+  const int n = columns.num_cameras;
+  Eigen::MatrixXd d = Eigen::MatrixXd::Zero(CalibrationCovariance::PoseRow(n, solution.NumViews()), columns.Count());
+  for (int c = 0; c < n; ++c) {
+    d.block<kNumIntrinsics, kNumIntrinsics>(CalibrationCovariance::IntrinsicsRow(c), RigCovariance::IntrinsicsRow(c))
+        .setIdentity();
+  }
+  for (int v = 0; v < solution.NumViews(); ++v) {
+    const int row = CalibrationCovariance::PoseRow(n, v), camera = solution.views[v].camera;
+    const int stop = rig.stop_of_view[v];
+    const RigPose pose = RigPoseAt(state.model.positioner, state.model.cam_from_mount[camera].value(), rig.stops[stop],
+                                   state.stop_errors[stop]);
+    d.block<6, 6>(row, RigCovariance::MountRow(n, camera)) = pose.by_mount;
+    d.block<6, 6>(row, RigCovariance::AnchorRow(n)) = pose.by_anchor;
+    d.block<6, 9>(row, RigCovariance::AxesRow(n)) = pose.by_axes;
+    d.block<6, kStopErrorSize>(row, columns.Stop(stop)) = pose.by_stop_error;
+  }
+  return d;
+}
+
+/// Inverse of what is known before; its columns in `free`, the others are held.
+Eigen::MatrixXd PriorInformation(const RigTerms& rig, const RigColumns& columns, std::vector<int>& free) {
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(columns.Count(), columns.Count());
+  free = rig.prior.FreeRows();
+  information(free, free) = CovarianceFromInformation(rig.prior.covariance.joint(free, free));
+  for (int s = 0; s < columns.num_stops; ++s) {
+    for (int k = 0; k < kStopErrorSize; ++k) {
+      const double sigma = rig.stop_error_sigma[s][k];
+      if (sigma == 0) continue;
+      free.push_back(columns.Stop(s) + k);
+      information(free.back(), free.back()) = 1 / (sigma * sigma);
+    }
+  }
+  return information;
+}
+
+}  // namespace
+
+void WriteRigPosterior(const Eigen::MatrixXd& features, const BundleTerms& terms, Adjustment& out) {
+  const RigTerms& rig = *terms.rig;
+  const RigState& state = out.rig->state;
+  const RigColumns columns{out.calibration.NumCameras(), static_cast<int>(rig.stops.size())};
+  const Eigen::MatrixXd by_rig = ByRig(rig, state, out.calibration, columns);
+  std::vector<int> free;
+  Eigen::MatrixXd information = PriorInformation(rig, columns, free);
+  const Eigen::MatrixXd used = by_rig(terms.free.JointRows(), Eigen::all);
+  information += used.transpose() * features * used;
+  // Intrinsics that are held by the run are known to it: their columns leave the information.
+  const std::vector<int> estimated = terms.free.JointRows();
+  std::erase_if(free, [&](int column) {
+    const bool intrinsic = column < RigCovariance::MountRow(columns.num_cameras, 0);
+    return intrinsic && std::find(estimated.begin(), estimated.end(), column) == estimated.end();
+  });
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(columns.Count(), columns.Count());
+  covariance(free, free) = CovarianceFromInformation(information(free, free));
+
+  out.calibration.covariance = CalibrationCovariance{by_rig * covariance * by_rig.transpose()};
+  const int size = RigCovariance::Size(columns.num_cameras);
+  out.calibration.rig = RigEstimate{state.model, {}, {covariance.topLeftCorner(size, size)}};
+  for (int s = 0; s < columns.num_stops; ++s) {
+    out.rig->stop_error_sigma[s] =
+        covariance.diagonal().segment<kStopErrorSize>(columns.Stop(s)).cwiseMax(0).cwiseSqrt();
+  }
+}
+
+}  // namespace rigcal

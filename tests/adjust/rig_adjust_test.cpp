@@ -1,0 +1,206 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/rig/rig_model_pose.h"
+#include "core/rig/rig_prior.h"
+#include "tests/adjust/synthetic_scene.h"
+
+namespace rigcal {
+namespace {
+
+using namespace synthetic;
+using ::testing::HasSubstr;
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+/// An object on a turntable before three cameras whose rig is known from a chart, with its truth.
+struct TurntableScene {
+  RigTerms rig;
+  RigCalibration start, truth;
+  RigState true_state;
+  std::vector<SurfacePoint> surface;
+  TrackSet tracks;
+
+  [[nodiscard]] Result<Adjustment> Run(AdjustOptions options = {}) const {
+    options.rig = rig;
+    options.refine_distortion = true;
+    return Adjust(start, tracks, std::vector<double>(start.views.size(), 2.0), options, {});
+  }
+};
+
+struct TurntableOptions {
+  int num_stops = 8, num_points = 300;
+  std::uint64_t random_seed = 1;
+  double bump_rad = 0;  ///< of camera 1 since the chart
+  double slip_rad = 0;  ///< of the table at stop 5
+  int blind_view = -1;  ///< sees nothing
+  double noise_px = 0.3;
+};
+
+/// What a chart leaves uncertain: a pixel of lens, a tenth of a millimetre and 0.01 degrees of each mount.
+RigPrior PriorOfRig() {
+  RigPrior prior;
+  prior.model = Turntable();
+  for (int c = 0; c < 3; ++c) {
+    Camera camera = StudioCamera();
+    camera.id = camera.physical_id = "cam" + std::to_string(c);
+    camera.k1 = -0.1;
+    prior.cameras.push_back(camera);
+    const double elevation_rad = 0.2 + 0.3 * c, azimuth_rad = 0.2 * c;
+    const Eigen::Vector3d direction(std::cos(elevation_rad) * std::cos(azimuth_rad),
+                                    std::cos(elevation_rad) * std::sin(azimuth_rad), std::sin(elevation_rad));
+    prior.model.cam_from_mount.emplace_back(LookingAtOrigin(kDistance_m * direction));
+  }
+  prior.covariance.joint = Eigen::MatrixXd::Zero(RigCovariance::Size(3), RigCovariance::Size(3));
+  auto variance = prior.covariance.joint.diagonal();
+  for (int c = 0; c < 3; ++c) {
+    variance.segment<4>(RigCovariance::IntrinsicsRow(c)).setConstant(1);
+    variance[RigCovariance::IntrinsicsRow(c) + kK1] = 1e-4;
+    LoosenMount(c, 2e-4, 1e-4, prior);
+  }
+  return prior;
+}
+
+/// Truth drawn from the priors; the start is the rig without error.
+TurntableScene MakeTurntable(const TurntableOptions& options) {
+  Random random(options.random_seed);
+  TurntableScene scene;
+  RigTerms& rig = scene.rig;
+  rig.prior = PriorOfRig();
+  scene.true_state.model = rig.prior.model;
+  for (int s = 0; s < options.num_stops; ++s) {
+    rig.stops.push_back({std::to_string(s), {2 * std::numbers::pi * s / options.num_stops}, std::nullopt});
+    StopError& error = scene.true_state.stop_errors.emplace_back(rig.prior.model.error_sigma);
+    for (double& component : error) component *= random.Normal();
+    if (s == 5) error[kStep] += options.slip_rad;
+  }
+  rig.stop_error_sigma.assign(rig.stops.size(), rig.prior.model.error_sigma);
+  rig.start = {rig.prior.model, std::vector(rig.stops.size(), StopError(StopError::Zero()))};
+  scene.start.cameras = scene.truth.cameras = rig.prior.cameras;
+  for (int c = 0; c < 3; ++c) {
+    const Eigen::VectorXd sigma = rig.prior.covariance.joint.diagonal().cwiseSqrt();
+    IntrinsicVector intrinsics = rig.prior.cameras[c].Intrinsics();
+    for (int k = 0; k < kNumIntrinsics; ++k)
+      intrinsics[k] += random.Normal() * sigma[RigCovariance::IntrinsicsRow(c) + k];
+    scene.truth.cameras[c].SetIntrinsics(intrinsics);
+    Eigen::Matrix<double, 6, 1> moved;
+    for (int k = 0; k < 6; ++k) moved[k] = random.Normal() * sigma[RigCovariance::MountRow(3, c) + k];
+    if (c == 1) moved[1] += options.bump_rad;
+    auto& mount = scene.true_state.model.cam_from_mount[c];
+    mount = Disturbed(*mount, moved);
+    for (int s = 0; s < options.num_stops; ++s) {
+      rig.stop_of_view.push_back(s);
+      scene.start.views.push_back({"cam" + std::to_string(c) + "_" + std::to_string(s), c, {}});
+    }
+  }
+  scene.truth.views = scene.start.views;
+  PlaceViews(rig.start.model, rig.stops, rig.start.stop_errors, rig.stop_of_view, scene.start);
+  PlaceViews(scene.true_state.model, rig.stops, scene.true_state.stop_errors, rig.stop_of_view, scene.truth);
+  scene.surface = Surface(options.num_points, random);
+  scene.tracks = Observe(scene.truth, scene.surface, {.sigma_px = options.noise_px, .outlier_share = 0.02}, random);
+  for (Track& track : scene.tracks.tracks) {
+    std::erase_if(track.observations, [&](const Observation& o) { return o.view == options.blind_view; });
+  }
+  std::erase_if(scene.tracks.tracks, [](const Track& track) { return track.observations.size() < 2; });
+  return scene;
+}
+
+TEST(AdjustRig, IsNearerToTheTruthThanFreePosesAndThanTheStart) {
+  const TurntableScene scene = MakeTurntable({});
+  const auto rig = scene.Run();
+  ASSERT_TRUE(rig) << rig.error().message;
+  AdjustOptions options;
+  options.seed_prior = SeedPrior{scene.start, 2.0};
+  options.camera_priors = PriorsOf(scene.start, 0.001);
+  const auto free = Adjust(scene.start, scene.tracks, std::vector<double>(scene.start.views.size(), 2.0), options, {});
+  ASSERT_TRUE(free) << free.error().message;
+  const double before_px = TruthErrorPx(scene.truth, scene.start, scene.surface);
+  const double rig_px = TruthErrorPx(scene.truth, rig->calibration, scene.surface);
+  const double free_px = TruthErrorPx(scene.truth, free->calibration, scene.surface);
+  RecordProperty("before_px", std::to_string(before_px));
+  RecordProperty("rig_px", std::to_string(rig_px));
+  RecordProperty("free_px", std::to_string(free_px));
+  EXPECT_LT(rig_px, 0.1 * before_px);
+  EXPECT_LT(rig_px, free_px);
+  EXPECT_THAT(rig->rig->contradictions, ::testing::IsEmpty());
+}
+
+TEST(AdjustRig, PosesFollowFromTheRig) {
+  const TurntableScene scene = MakeTurntable({});
+  const auto adjusted = scene.Run();
+  ASSERT_TRUE(adjusted) << adjusted.error().message;
+  RigCalibration placed = adjusted->calibration;
+  const RigState& state = adjusted->rig->state;
+  PlaceViews(state.model, scene.rig.stops, state.stop_errors, scene.rig.stop_of_view, placed);
+  EXPECT_LT(Difference(placed, adjusted->calibration).norm(), 1e-12);
+  EXPECT_EQ(state.stop_errors[3][kLift], 0);  // the rig says: exact
+  ASSERT_TRUE(adjusted->calibration.rig);
+  EXPECT_EQ(adjusted->calibration.rig->covariance.joint.rows(), RigCovariance::Size(3));
+}
+
+TEST(AdjustRig, AViewThatSeesNothingStillGetsItsPose) {
+  const TurntableScene scene = MakeTurntable({.blind_view = 10});  // camera 1, stop 2
+  const auto adjusted = scene.Run();
+  ASSERT_TRUE(adjusted) << adjusted.error().message;
+  EXPECT_EQ(adjusted->report.num_features[10], 0);
+  // Against the stop before: where the world lies is the prior's.
+  const auto turn = [](const RigCalibration& calibration) {
+    return (calibration.views[10].cam_from_world * calibration.views[9].cam_from_world.Inverse()).rotation;
+  };
+  EXPECT_LT(turn(adjusted->calibration).angularDistance(turn(scene.truth)), 0.01 * kDegree);
+}
+
+TEST(AdjustRig, NamesTheCameraThatMoved) {
+  const TurntableScene scene = MakeTurntable({.bump_rad = 0.5 * kDegree});
+  const auto adjusted = scene.Run();
+  ASSERT_TRUE(adjusted) << adjusted.error().message;
+  ASSERT_EQ(adjusted->rig->contradictions.size(), 1u);
+  EXPECT_THAT(adjusted->rig->contradictions[0], HasSubstr("camera cam1 moved"));
+  EXPECT_LT(TruthErrorPx(scene.truth, adjusted->calibration, scene.surface), 0.1);
+}
+
+TEST(AdjustRig, NamesTheStopThatSlipped) {
+  const TurntableScene scene = MakeTurntable({.slip_rad = 1 * kDegree});
+  const auto adjusted = scene.Run();
+  ASSERT_TRUE(adjusted) << adjusted.error().message;
+  ASSERT_EQ(adjusted->rig->contradictions.size(), 1u);
+  EXPECT_THAT(adjusted->rig->contradictions[0], HasSubstr("stop 5: step error"));
+  EXPECT_LT(TruthErrorPx(scene.truth, adjusted->calibration, scene.surface), 0.1);
+}
+
+TEST(AdjustRig, StatesItsUncertaintyHonestly) {
+  double sum = 0, sum2 = 0;
+  int count = 0;
+  const auto add = [&](double error, double sigma) {
+    if (sigma == 0) return;
+    sum += error / sigma, sum2 += error * error / (sigma * sigma), ++count;
+  };
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    const TurntableScene scene = MakeTurntable({.num_points = 150, .random_seed = seed});
+    const auto adjusted = scene.Run();
+    ASSERT_TRUE(adjusted) << adjusted.error().message;
+    EXPECT_THAT(adjusted->rig->contradictions, ::testing::IsEmpty()) << seed;
+    const Eigen::MatrixXd& joint = adjusted->calibration.covariance->joint;
+    const Eigen::VectorXd error = Difference(adjusted->calibration, scene.truth);
+    for (int row = 0; row < error.size(); ++row) add(error[row], std::sqrt(joint(row, row)));
+    const RigPrior truth{scene.truth.cameras, scene.true_state.model, {}};
+    const Eigen::VectorXd of_rig = DepartureFrom(truth, adjusted->calibration.cameras, adjusted->rig->state.model);
+    const Eigen::VectorXd variance = adjusted->calibration.rig->covariance.joint.diagonal();
+    for (int row = 0; row < of_rig.size(); ++row) add(of_rig[row], std::sqrt(variance[row]));
+    for (std::size_t s = 0; s < scene.rig.stops.size(); ++s) {
+      for (int k = 0; k < kStopErrorSize; ++k) {
+        add(adjusted->rig->state.stop_errors[s][k] - scene.true_state.stop_errors[s][k],
+            adjusted->rig->stop_error_sigma[s][k]);
+      }
+    }
+  }
+  const double mean = sum / count, deviation = std::sqrt(sum2 / count - mean * mean);
+  RecordProperty("mean", std::to_string(mean));
+  RecordProperty("deviation", std::to_string(deviation));
+  EXPECT_LT(std::abs(mean), 0.3);
+  EXPECT_GT(deviation, 0.8);
+  EXPECT_LT(deviation, 1.25);
+}
+
+}  // namespace
+}  // namespace rigcal
