@@ -7,12 +7,14 @@
 #include <set>
 
 #include "core/base/joined.h"
+#include "core/seed/own_pose.h"
 
 namespace rigcal {
 namespace {
 
-/// A view whose residuals are this many times its camera's noise does not fit: a factor that neither noise nor a bent
-/// board reaches (0.1 px of noise: a shift of 0.2 px).
+/// A view whose residuals are this many times its camera's noise, and what they would be with a pose of its own, does
+/// not fit the rig: a factor that neither noise nor a bent board reaches (0.1 px of noise: a shift of 0.2 px). Corners
+/// of a board that is seen at a grazing angle are noisier than the rest, whatever the pose.
 constexpr double kMisfitRatio = 2.5;
 /// Sigma of a stop error that lost its prior, in sizes of the error found.
 constexpr double kReleasedSigmas = 100;
@@ -81,7 +83,9 @@ std::map<int, StopFit> FitByStop(const ChartTerms& terms, const ChartState& stat
   for (int v = 0; v < static_cast<int>(terms.views.size()); ++v) {
     const ChartView& view = terms.views[v];
     if (!view.stop || view.corners.empty()) continue;
-    const bool misfit = RobustScale(residuals.stated_sigmas[v]) > kMisfitRatio * terms.noise_scale[view.camera];
+    const double scale = RobustScale(residuals.stated_sigmas[v]);
+    const bool misfit = scale > kMisfitRatio * terms.noise_scale[view.camera] &&
+                        scale > kMisfitRatio * ScaleWithOwnPose(terms, state, v);
     (misfit ? by_stop[*view.stop].misfitting : by_stop[*view.stop].fitting).push_back(v);
   }
   return by_stop;

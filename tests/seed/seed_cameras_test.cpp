@@ -87,6 +87,16 @@ TEST(SeedCameras, NamesTheStopThatSlipped) {
   EXPECT_LT(AxisErrorOf(studio, *result).direction_rad, 0.06 * kDegree);
 }
 
+TEST(SeedCameras, ANoisyPictureDoesNotContradictTheRig) {
+  Studio studio = TurntableStudio(8, {});
+  Random random(2);
+  studio.scene.sightings[7] = See(studio, 7, {.noise_px = 0.2}, random);  // the others: 0.05 px
+  const Result<SeedResult> result = SeedCameras(studio.scene, {}, {});
+  ASSERT_TRUE(result) << result.error().message;
+  EXPECT_THAT(result->report.contradictions, IsEmpty());
+  EXPECT_EQ(result->calibration.NumViews(), 36);
+}
+
 TEST(SeedCameras, NamesTheCameraThatMoved) {
   const Studio studio = TurntableStudio(6, {.bump_rad = 0.5 * kDegree});
   const Result<SeedResult> result = SeedCameras(studio.scene, {}, {});
