@@ -16,7 +16,12 @@ struct BoardShape {
 };
 inline constexpr int kBoardShapeSize = 3;
 
-/// TagCornerInBoard of the real board, and its derivative by bow_x_m, bow_y_m, stretch.
+/// Where a point of the flat print (z = 0) is on the real board, and its derivative by bow_x_m, bow_y_m, stretch. The
+/// margin round the tags bends with them.
+Eigen::Vector3d OnBoard(const Board& board, const BoardShape& shape, const Eigen::Vector3d& x_in_print,
+                        Eigen::Matrix3d* by_shape = nullptr);
+
+/// TagCornerInBoard of the real board, and its derivative as of OnBoard.
 Eigen::Vector3d TagCornerInBoard(const Board& board, const BoardShape& shape, int id, int corner,
                                  Eigen::Matrix3d* by_shape = nullptr);
 
