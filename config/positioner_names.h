@@ -19,4 +19,13 @@ inline constexpr std::array<std::pair<std::string_view, PositionerLoad>, 2> kPos
     {"cameras", PositionerLoad::kCameras},
 }};
 
+/// The word for a value of one of these lists.
+template <typename Value, std::size_t kCount>
+std::string_view WordOf(const std::array<std::pair<std::string_view, Value>, kCount>& words, Value value) {
+  for (const auto& [word, known] : words) {
+    if (known == value) return word;
+  }
+  return "";
+}
+
 }  // namespace rigcal

@@ -162,6 +162,21 @@ Result<RigFile> ParseRig(std::string_view text, const std::string& file) {
   return rig;
 }
 
+std::string RigText(const RigFile& rig) {
+  const Positioner& positioner = rig.model.positioner;
+  std::string text = fmt::format("[positioner]\nkind = \"{}\"\ncarries = \"{}\"\n",
+                                 WordOf(kPositionerKinds, positioner.kind), WordOf(kPositionerLoads, positioner.load));
+  if (!rig.axes.empty()) text += fmt::format("axes = [\"{}\"]\n", Joined(rig.axes, "\", \""));
+  for (const SigmaKey& key : kSigmas) {
+    if (key.kind != positioner.kind) continue;
+    text += fmt::format("{} = {:.12g}\n", key.name, rig.model.error_sigma[key.first] / key.to_si);
+  }
+  if (positioner.kind == PositionerKind::kGantry) {
+    text += fmt::format("{} = {:.12g}\n", kAxisScale, rig.model.axis_scale_sigma);
+  }
+  return text;
+}
+
 Result<std::vector<StopPosition>> StopPositions(const Recording& recording, const RigFile& rig,
                                                 const std::string& recording_name) {
   const PositionerKind kind = rig.model.positioner.kind;

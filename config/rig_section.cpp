@@ -19,13 +19,6 @@ constexpr const char* kOrder =
 constexpr int kMaxAxisNumbers = 9;
 
 template <typename Value, std::size_t kCount>
-std::string WordOf(const std::array<std::pair<std::string_view, Value>, kCount>& words, Value value) {
-  for (const auto& [word, known] : words)
-    if (known == value) return std::string(word);
-  return "";
-}
-
-template <typename Value, std::size_t kCount>
 Value ValueOf(const std::array<std::pair<std::string_view, Value>, kCount>& words, const Json& json, const char* key) {
   const auto given = json.at(key).get<std::string>();
   std::vector<std::string> known;

@@ -47,6 +47,20 @@ TEST(RigFile, ReadsAGantryAndAnArm) {
   EXPECT_TRUE(arm->axes.empty());
 }
 
+TEST(RigFile, ReadsWhatItWrote) {
+  for (const char* text : {kTurntable, kGantry, kArm}) {
+    const Result<RigFile> rig = ParseRig(text, "rig.toml");
+    ASSERT_TRUE(rig) << rig.error().message;
+    const Result<RigFile> again = ParseRig(RigText(*rig), "again.toml");
+    ASSERT_TRUE(again) << again.error().message;
+    EXPECT_EQ(again->axes, rig->axes);
+    EXPECT_EQ(again->model.positioner.kind, rig->model.positioner.kind);
+    EXPECT_EQ(again->model.positioner.load, rig->model.positioner.load);
+    EXPECT_LT((again->model.error_sigma - rig->model.error_sigma).norm(), 1e-10 * rig->model.error_sigma.norm());
+    EXPECT_EQ(again->model.axis_scale_sigma, rig->model.axis_scale_sigma);
+  }
+}
+
 TEST(RigFile, NamesFileLineKeyAndRange) {
   ExpectTextRefused(Replaced(kTurntable, "0.03", "30"),
                     {"rig.toml line 3: step_sigma_deg", "30", "degrees from 0 to 10"});
