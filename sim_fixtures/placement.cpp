@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/base/random.h"
+#include "sim_fixtures/stop_error.h"
 
 namespace rigcal::sim {
 namespace {
@@ -17,7 +18,7 @@ constexpr double kHorizontalView_rad = 28 * kRadPerDeg;
 constexpr double kFilledHeight = 0.84, kFilledWidth = 0.88;
 constexpr double kSingleElevation_deg = 18, kLowestElevation_deg = 8, kHighestElevation_deg = 48;
 constexpr double kCameraSpacing_deg = 9;  ///< azimuth between the cameras of one turntable
-constexpr std::uint64_t kStepTask = 1;    ///< DeriveSeed: step errors
+constexpr std::uint64_t kBumpTask = 40;   ///< DeriveSeed: + camera
 
 /// Direction of the camera seen from the object, and its roll.
 struct Aim {
@@ -92,13 +93,20 @@ std::vector<Vector3d> SweptOutline(std::span<const Eigen::Vector3f> surface, dou
   return outline;
 }
 
-Rigid3d TurnedTable(double angle_rad) {
-  return {Eigen::Quaterniond(Eigen::AngleAxisd(angle_rad, Vector3d::UnitZ())), Vector3d::Zero()};
+/// The camera turns about its own centre, as on the head of its tripod.
+Rigid3d Bumped(const StudioOptions& options, int camera, Rigid3d cam_from_stage) {
+  for (const Fault& bump : options.bumps) {
+    if (bump.index != camera) continue;
+    Random random(DeriveSeed(options.random_seed, kBumpTask + static_cast<std::uint64_t>(camera)));
+    const double x = random.Normal(), y = random.Normal(), z = random.Normal();
+    const Rigid3d turn{ExpRotation(bump.angle_deg * kRadPerDeg * Vector3d(x, y, z).normalized()), Vector3d::Zero()};
+    cam_from_stage = turn * cam_from_stage;
+  }
+  return cam_from_stage;
 }
 
-void AddView(Placement& placement, std::string name, int camera, int stop, const Rigid3d& cam_from_stage,
-             double angle_rad) {
-  const Rigid3d stage_from_world = TurnedTable(angle_rad);
+void AddView(Placement& placement, std::string name, int camera, int stop, const Rigid3d& stage_from_world,
+             double angle_rad, const Rigid3d& cam_from_stage) {
   placement.truth.views.push_back({std::move(name), camera, cam_from_stage * stage_from_world});
   placement.stage_from_world.push_back(stage_from_world);
   placement.table_angle_rad.push_back(angle_rad);
@@ -107,12 +115,9 @@ void AddView(Placement& placement, std::string name, int camera, int stop, const
 
 void PlaceAtTurntable(const StudioOptions& options, const Vector3d& target, std::span<const Vector3d> outline,
                       Placement& placement) {
-  Random random(DeriveSeed(options.random_seed, kStepTask));
-  std::vector<double> angle_rad(options.num_stops);
+  placement.stop_errors = DrawStopErrors(options);
   for (int stop = 0; stop < options.num_stops; ++stop) {
-    const double error = stop == 0 ? 0.0 : options.step_error_deg * kRadPerDeg * random.Normal();
     placement.commanded_rad.push_back(2 * std::numbers::pi * stop / options.num_stops);
-    angle_rad[stop] = placement.commanded_rad[stop] + error;
   }
   const int digits = options.num_stops > 100 ? 3 : 2;
   for (int c = 0; c < options.num_cameras; ++c) {
@@ -124,10 +129,13 @@ void PlaceAtTurntable(const StudioOptions& options, const Vector3d& target, std:
     const double azimuth_deg = -90 + kCameraSpacing_deg * (c - 0.5 * (options.num_cameras - 1));
     const Aim aim{azimuth_deg * kRadPerDeg, elevation_deg * kRadPerDeg, 1.5 * kRadPerDeg * std::cos(2.0 * c + 1)};
     const double distance_m = FittingDistance(placement.truth.cameras[c], aim, target, outline);
-    const Rigid3d cam_from_stage = CamFromStage(aim, target, distance_m);
+    const Rigid3d cam_from_stage = Bumped(options, c, CamFromStage(aim, target, distance_m));
+    placement.cam_from_stage.push_back(cam_from_stage);
     for (int stop = 0; stop < options.num_stops; ++stop) {
-      AddView(placement, fmt::format("cam{}_stop{:0{}}.png", c, stop, digits), c, stop, cam_from_stage,
-              angle_rad[stop]);
+      const StopError& error = placement.stop_errors[stop];
+      AddView(placement, fmt::format("cam{}_stop{:0{}}.png", c, stop, digits), c, stop,
+              StageFromWorld(placement.commanded_rad[stop], error), placement.commanded_rad[stop] + error[kStep],
+              cam_from_stage);
     }
   }
 }
@@ -146,9 +154,10 @@ void PlaceOnGantry(const StudioOptions& options, const Vector3d& target, std::sp
   }
   const int digits = options.num_views > 100 ? 3 : 2;
   for (int i = 0; i < options.num_views; ++i) {
-    AddView(placement, fmt::format("cam0_view{:0{}}.png", i, digits), 0, i, CamFromStage(aims[i], target, distance_m),
-            0);
+    AddView(placement, fmt::format("cam0_view{:0{}}.png", i, digits), 0, i, Rigid3d(), 0,
+            CamFromStage(aims[i], target, distance_m));
   }
+  placement.cam_from_stage.push_back(CamFromStage(aims.front(), target, distance_m));
 }
 
 }  // namespace

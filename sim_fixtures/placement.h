@@ -14,6 +14,8 @@ struct Placement {
   std::vector<double> table_angle_rad;
   std::vector<int> stop;
   std::vector<double> commanded_rad;
+  std::vector<StopError> stop_errors;
+  std::vector<Rigid3d> cam_from_stage;
 };
 
 /// Puts cameras about an object so that it fills most of every picture. `surface_in_world`: points of the object.

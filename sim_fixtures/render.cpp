@@ -56,15 +56,33 @@ void Reflect(const Material& material, Samples& samples) {
   }
 }
 
+/// Where a picture is taken from, and what is before the camera.
+struct Vantage {
+  const Camera& camera;
+  Rigid3d cam_from_world, stage_from_world;
+  const RayScene& rays;
+};
+
+void ReflectChart(const ChartMaterial& material, Samples& samples) {
+  samples.reflectance.clear();
+  for (std::size_t i = 0; i < samples.column.size(); ++i) {
+    samples.reflectance.push_back(
+        material.ReflectanceAt(Eigen::Vector3f(samples.x[i], samples.y[i], samples.z[i]).cast<double>(),
+                               Eigen::Vector3f(samples.nx[i], samples.ny[i], samples.nz[i]).cast<double>()));
+  }
+}
+
 /// Renders the rows of one view; one per thread.
 class RowRenderer {
  public:
-  RowRenderer(const Studio& studio, int view, int samples_per_side)
+  RowRenderer(const Studio& studio, const Vantage& vantage, int samples_per_side)
       : studio_(studio),
-        camera_(studio.truth.CameraOf(view)),
+        camera_(vantage.camera),
+        rays_(vantage.rays),
         side_(samples_per_side),
-        world_from_cam_(studio.truth.views[view].cam_from_world.Inverse()),
-        stage_from_world_(studio.stage_from_world[view]) {
+        world_from_cam_(vantage.cam_from_world.Inverse()),
+        stage_from_world_(vantage.stage_from_world) {
+    PlaceSamples();
     for (const Light& lamp : studio.lights) {
       const Vector3d towards = stage_from_world_.rotation.conjugate() * lamp.towards_in_stage;
       lights_.push_back({static_cast<float>(towards.x()), static_cast<float>(towards.y()),
@@ -87,7 +105,11 @@ class RowRenderer {
     std::fill(radiance, radiance + camera_.width_px, 0.0f);
     for (const Layer layer : {kObjectLayer, kTableLayer}) {
       Samples& samples = layers_[layer];
-      Reflect(layer == kObjectLayer ? studio_.object : studio_.table_top, samples);
+      if (layer == kObjectLayer && studio_.chart) {
+        ReflectChart(studio_.chart->material, samples);
+      } else {
+        Reflect(layer == kObjectLayer ? studio_.object : studio_.table_top, samples);
+      }
       Illuminate(lights_, static_cast<float>(studio_.ambient), samples);
       for (std::size_t i = 0; i < samples.column.size(); ++i) {
         radiance[samples.column[i]] += share * samples.reflectance[i] * samples.light[i];
@@ -102,6 +124,17 @@ class RowRenderer {
   }
 
  private:
+  /// The chart's lattice is the grid, turned by atan(1 / side_).
+  void PlaceSamples() {
+    const auto in_lattice = [this](int cell, int across) { return (cell + (across + 0.5) / side_) / side_; };
+    for (int sy = 0; sy < side_; ++sy) {
+      for (int sx = 0; sx < side_; ++sx) {
+        samples_in_pixel_.emplace_back(studio_.chart ? in_lattice(sx, sy) : (sx + 0.5) / side_,
+                                       studio_.chart ? in_lattice(sy, side_ - 1 - sx) : (sy + 0.5) / side_);
+      }
+    }
+  }
+
   /// Directions at the pixels' corners above and below the row. Within a pixel they are interpolated linearly: at a
   /// focal length of 2000 px and k1 = 0.2 that is wrong by less than 1e-4 px.
   void MakeCornerRays(int row, int first, int last) {
@@ -120,23 +153,21 @@ class RowRenderer {
     std::array<int, kRayPacket> column{};
     int count = 0;
     const auto flush = [&] {
-      studio_.rays.Shoot(world_from_cam_.translation, count, packet);
+      rays_.Shoot(world_from_cam_.translation, count, packet);
       for (int i = 0; i < count; ++i) Sort(packet, i, column[i]);
       count = 0;
     };
     for (int c = first; c < last; ++c) {
-      for (int sy = 0; sy < side_; ++sy) {
-        const double b = (sy + 0.5) / side_;
+      for (const Eigen::Vector2d& sample : samples_in_pixel_) {
+        const double b = sample.y();
         const Vector3d left = (1 - b) * corners_[0][c - first] + b * corners_[1][c - first];
         const Vector3d right = (1 - b) * corners_[0][c - first + 1] + b * corners_[1][c - first + 1];
-        for (int sx = 0; sx < side_; ++sx) {
-          const Vector3d along = left + (sx + 0.5) / side_ * (right - left);
-          packet.direction_x[count] = static_cast<float>(along.x());
-          packet.direction_y[count] = static_cast<float>(along.y());
-          packet.direction_z[count] = static_cast<float>(along.z());
-          column[count++] = c;
-          if (count == kRayPacket) flush();
-        }
+        const Vector3d along = left + sample.x() * (right - left);
+        packet.direction_x[count] = static_cast<float>(along.x());
+        packet.direction_y[count] = static_cast<float>(along.y());
+        packet.direction_z[count] = static_cast<float>(along.z());
+        column[count++] = c;
+        if (count == kRayPacket) flush();
       }
     }
     if (count > 0) flush();
@@ -189,7 +220,9 @@ class RowRenderer {
 
   const Studio& studio_;
   const Camera& camera_;
+  const RayScene& rays_;
   int side_;
+  std::vector<Eigen::Vector2d> samples_in_pixel_;  ///< from its upper left corner, in pixels
   Rigid3d world_from_cam_, stage_from_world_;
   std::vector<LightInWorld> lights_;
   std::array<std::vector<Vector3d>, 2> corners_;
@@ -198,13 +231,13 @@ class RowRenderer {
 };
 
 /// The part of the picture that can show meshes.
-cv::Rect Extent(const Studio& studio, int view) {
-  const Camera& camera = studio.truth.CameraOf(view);
+cv::Rect Extent(const Vantage& vantage) {
+  const Camera& camera = vantage.camera;
   const cv::Rect whole(0, 0, camera.width_px, camera.height_px);
   Eigen::AlignedBox2d box;
-  for (const TriangleMesh& mesh : studio.rays.Meshes()) {
+  for (const TriangleMesh& mesh : vantage.rays.Meshes()) {
     for (const Eigen::Vector3f& x : mesh.vertices_in_world) {
-      const auto x_px = Project(camera, studio.truth.views[view].cam_from_world * x.cast<double>());
+      const auto x_px = Project(camera, vantage.cam_from_world * x.cast<double>());
       if (!x_px) return whole;
       box.extend(*x_px);
     }
@@ -214,21 +247,19 @@ cv::Rect Extent(const Studio& studio, int view) {
   return cv::Rect(cv::Point(low.x(), low.y()), cv::Point(high.x(), high.y())) & whole;
 }
 
-}  // namespace
-
-Result<RenderedView> RenderView(const Studio& studio, int view, int samples_per_side, const Execution& execution) {
-  Ensure(view >= 0 && view < studio.truth.NumViews(), "the view exists");
+Result<RenderedView> RenderFrom(const Studio& studio, const Vantage& vantage, int samples_per_side,
+                                const Execution& execution) {
   Ensure(samples_per_side > 0, "at least one sample a pixel");
   constexpr int kRowsPerTask = 16;
-  const Camera& camera = studio.truth.CameraOf(view);
+  const Camera& camera = vantage.camera;
   RenderedView out{cv::Mat1f(camera.height_px, camera.width_px, kClothRadiance),
                    cv::Mat1f(camera.height_px, camera.width_px, 0.0f)};
-  const cv::Rect extent = Extent(studio, view);
+  const cv::Rect extent = Extent(vantage);
   const bool walls = studio.options.surroundings == Surroundings::kBackdrop;
   const int begin = walls ? 0 : extent.y, end = walls ? camera.height_px : extent.y + extent.height;
   const int tasks = (end - begin + kRowsPerTask - 1) / kRowsPerTask;
   const bool done = ParallelFor(execution, tasks, [&](int task) {
-    RowRenderer renderer(studio, view, samples_per_side);
+    RowRenderer renderer(studio, vantage, samples_per_side);
     const int first = begin + task * kRowsPerTask;
     for (int row = first; row < std::min(first + kRowsPerTask, end); ++row) {
       const bool shows_meshes = row >= extent.y && row < extent.y + extent.height;
@@ -237,6 +268,25 @@ Result<RenderedView> RenderView(const Studio& studio, int view, int samples_per_
   });
   if (!done) return Cancelled("rendering");
   return out;
+}
+
+}  // namespace
+
+Result<RenderedView> RenderView(const Studio& studio, int view, int samples_per_side, const Execution& execution) {
+  Ensure(view >= 0 && view < studio.truth.NumViews(), "the view exists");
+  const Vantage vantage{studio.truth.CameraOf(view), studio.truth.views[view].cam_from_world,
+                        studio.stage_from_world[view], studio.rays};
+  return RenderFrom(studio, vantage, samples_per_side, execution);
+}
+
+Result<RenderedView> RenderHandHeld(const Studio& studio, int index, int samples_per_side, const Execution& execution) {
+  Ensure(studio.chart.has_value(), "a chart can be held");
+  const HandHeldView& view = studio.chart->hand_held.at(index);
+  // Rendering knows the board where it lies: world is what it was, and goes with the board into the hand.
+  const Rigid3d cam_from_world = view.cam_from_board * studio.chart->world_from_board.Inverse();
+  const Vantage vantage{studio.truth.cameras[view.camera], cam_from_world,
+                        studio.cam_from_stage[view.camera].Inverse() * cam_from_world, studio.chart->rays_in_hand};
+  return RenderFrom(studio, vantage, samples_per_side, execution);
 }
 
 }  // namespace rigcal::sim

@@ -13,8 +13,13 @@ struct RenderedView {
   cv::Mat1f coverage;  ///< share of the pixel's samples that met the object or the table top
 };
 
-/// samples_per_side^2 rays a pixel on a regular grid (a box filter over the pixel). Errors: kCancelled.
+/// samples_per_side^2 rays a pixel on a regular grid (a box filter over the pixel); for a chart on a lattice whose rows
+/// and columns are all different, so that an edge along the pixel grid is placed to 1 / samples_per_side^2 of a pixel.
+/// Errors: kCancelled.
 Result<RenderedView> RenderView(const Studio& studio, int view, int samples_per_side, const Execution& execution);
+
+/// The same of the studio's chart in the hand: Chart::hand_held[index]. Lamps and walls are where they are.
+Result<RenderedView> RenderHandHeld(const Studio& studio, int index, int samples_per_side, const Execution& execution);
 
 /// Lens and electronics.
 struct SensorOptions {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "sim_fixtures/placement.h"
 
@@ -18,11 +19,49 @@ tl::unexpected<Error> OutOfRange(std::string_view option, double value, double l
               high);
 }
 
-Result<void> Check(const StudioOptions& options) {
-  struct Range {
-    std::string_view option;
-    double value, low, high;
+struct Range {
+  std::string_view option;
+  double value, low, high;
+};
+
+Result<void> CheckRanges(std::span<const Range> ranges) {
+  for (const Range& range : ranges) {
+    if (!(range.value >= range.low && range.value <= range.high)) {
+      return OutOfRange(range.option, range.value, range.low, range.high);
+    }
+  }
+  return {};
+}
+
+Result<void> CheckFaults(const StudioOptions& options) {
+  if (options.motion != Motion::kTurntable && !(options.bumps.empty() && options.slips.empty())) {
+    return Fail(ErrorCode::kBadInput, "the simulated studio: bump and slip are faults of a turntable's rig");
+  }
+  std::vector<Range> ranges;
+  for (const Fault& bump : options.bumps) {
+    ranges.push_back({"bump's camera", static_cast<double>(bump.index), 0, options.num_cameras - 1.0});
+    ranges.push_back({"bump's angle (deg)", bump.angle_deg, -kMaxBump_deg, kMaxBump_deg});
+  }
+  for (const Fault& slip : options.slips) {
+    ranges.push_back({"slip's stop", static_cast<double>(slip.index), 0, options.num_stops - 1.0});
+    ranges.push_back({"slip's angle (deg)", slip.angle_deg, -kMaxSlip_deg, kMaxSlip_deg});
+  }
+  return CheckRanges(ranges);
+}
+
+Result<void> CheckChart(const ChartOptions& chart) {
+  constexpr double kMmPerMetre = 1000;
+  const Range ranges[] = {
+      {"bow-mm", chart.shape.bow_x_m * kMmPerMetre, -kMaxBow_mm, kMaxBow_mm},
+      {"bow-mm", chart.shape.bow_y_m * kMmPerMetre, -kMaxBow_mm, kMaxBow_mm},
+      {"board-stretch", chart.shape.stretch, -kMaxStretch, kMaxStretch},
+      {"board-tilt-deg", chart.tilt_deg, -kMaxBoardTilt_deg, kMaxBoardTilt_deg},
+      {"hand-held", static_cast<double>(chart.num_hand_held), 0, kMaxHandHeld},
   };
+  return CheckRanges(ranges);
+}
+
+Result<void> Check(const StudioOptions& options) {
   const bool turns = options.motion == Motion::kTurntable;
   const Range ranges[] = {
       {"cameras", static_cast<double>(options.num_cameras), 1, turns ? 1.0 * kMaxCameras : 1.0},
@@ -31,14 +70,13 @@ Result<void> Check(const StudioOptions& options) {
       {"width", static_cast<double>(options.width_px), kMinSide_px, kMaxSide_px},
       {"height", static_cast<double>(options.height_px), kMinSide_px, kMaxSide_px},
       {"step-error-deg", options.step_error_deg, 0, kMaxStepError_deg},
+      {"wobble-deg", options.wobble_deg, 0, turns ? kMaxWobble_deg : 0.0},
+      {"run-out-mm", options.run_out_mm, 0, turns ? kMaxRunOut_mm : 0.0},
       {"cell (m)", options.cell_m, 0.0003, 0.01},
   };
-  for (const Range& range : ranges) {
-    if (!(range.value >= range.low && range.value <= range.high)) {
-      return OutOfRange(range.option, range.value, range.low, range.high);
-    }
-  }
-  return {};
+  if (const auto checked = CheckRanges(ranges); !checked) return checked;
+  if (const auto checked = CheckFaults(options); !checked) return checked;
+  return options.chart ? CheckChart(*options.chart) : Result<void>();
 }
 
 /// A distortion that cannot be inverted at the corners of the picture has no rays there.
@@ -53,6 +91,25 @@ Result<void> CheckDistortion(const Camera& camera) {
     }
   }
   return {};
+}
+
+/// The smallest table top with a margin round what stands on it.
+double TableRadius_m(const TriangleMesh& mesh) {
+  double radius_m = 0;
+  for (const Eigen::Vector3f& x : mesh.vertices_in_world) {
+    radius_m = std::max(radius_m, static_cast<double>(std::hypot(x.x(), x.y())));
+  }
+  return radius_m + kTableMargin_m;
+}
+
+/// The board instead of the object.
+Chart LayChart(const StudioOptions& options, const std::vector<Camera>& cameras, std::vector<TriangleMesh>& meshes) {
+  const Rigid3d world_from_board = PlaceChart(*options.chart, options.random_seed);
+  meshes[kObjectMesh] = ChartMesh(*options.chart, world_from_board);
+  return {.world_from_board = world_from_board,
+          .material = ChartMaterial(*options.chart, world_from_board),
+          .hand_held = HoldByHand(*options.chart, cameras, options.random_seed),
+          .rays_in_hand = RayScene(std::vector<TriangleMesh>{meshes[kObjectMesh]})};
 }
 
 void LightStudio(Studio& studio) {
@@ -110,12 +167,11 @@ Result<Studio> MakeStudio(const StudioOptions& options, const Execution& executi
   for (const Camera& camera : placement.truth.cameras) {
     if (const auto checked = CheckDistortion(camera); !checked) return Fail(checked.error());
   }
+  std::optional<Chart> chart;
+  if (options.chart) chart = LayChart(options, placement.truth.cameras, meshes);
   double table_radius_m = 0;
   if (options.surroundings == Surroundings::kBackdrop) {
-    for (const Eigen::Vector3f& x : meshes[kObjectMesh].vertices_in_world) {
-      table_radius_m = std::max(table_radius_m, static_cast<double>(std::hypot(x.x(), x.y())));
-    }
-    table_radius_m += kTableMargin_m;
+    table_radius_m = TableRadius_m(meshes[kObjectMesh]);
     meshes.push_back(DiscMesh(table_radius_m, kTableThickness_m));
   }
   Studio studio{.options = options,
@@ -124,12 +180,15 @@ Result<Studio> MakeStudio(const StudioOptions& options, const Execution& executi
                 .table_angle_rad = std::move(placement.table_angle_rad),
                 .stop = std::move(placement.stop),
                 .commanded_rad = std::move(placement.commanded_rad),
+                .stop_errors = std::move(placement.stop_errors),
+                .cam_from_stage = std::move(placement.cam_from_stage),
                 .lights = {},
                 .ambient = 0,
                 .object = MaterialOf(options.scene),
                 .table_top = {},
                 .walls = {},
                 .table_radius_m = table_radius_m,
+                .chart = std::move(chart),
                 .rays = RayScene(std::move(meshes))};
   LightStudio(studio);
   return studio;

@@ -8,6 +8,9 @@
 
 #include "core/base/execution.h"
 #include "core/scene/rig_calibration.h"
+#include "core/scene/rig_model.h"
+#include "sim_fixtures/chart.h"
+#include "sim_fixtures/hand_held.h"
 #include "sim_fixtures/ray_scene.h"
 #include "sim_fixtures/shape.h"
 
@@ -27,6 +30,12 @@ std::string_view NameOf(Motion motion);
 std::optional<Surroundings> SurroundingsFromName(std::string_view name);
 std::string_view NameOf(Surroundings surroundings);
 
+/// Something that stands otherwise than the rig says.
+struct Fault {
+  int index = 0;
+  double angle_deg = 0;
+};
+
 /// Everything that decides what is in front of the cameras and where they are.
 struct StudioOptions {
   Scene scene = Scene::kTextured;
@@ -39,19 +48,36 @@ struct StudioOptions {
   int height_px = 960;
   std::array<double, 5> distortion{};  ///< k1 k2 p1 p2 k3 of every camera
   double step_error_deg = 0;           ///< standard deviation of the table's angles about their nominal values
-  std::uint64_t random_seed = 1;       ///< draws the step errors
-  double cell_m = 0.00075;             ///< grid of the surface: three pixels of a one-megapixel picture
+  double wobble_deg = 0;               ///< the same of the table's tilt at a stop, about each of x and y
+  double run_out_mm = 0;               ///< the same of its shift, along each of x and y
+  std::vector<Fault> bumps;            ///< cameras whose mounts are turned about themselves
+  std::vector<Fault> slips;            ///< stops at which the table has turned too far
+  std::optional<ChartOptions>
+      chart;                      ///< on the table instead of the scene's object, which still decides where cameras are
+  std::uint64_t random_seed = 1;  ///< draws all errors, axes of bumps, and how the chart lies and is held
+  double cell_m = 0.00075;        ///< grid of the surface: three pixels of a one-megapixel picture
 };
 
 /// The limits of StudioOptions: named in messages.
 inline constexpr int kMaxCameras = 16, kMaxViews = 720, kMinSide_px = 64, kMaxSide_px = 8192;
-inline constexpr double kMaxStepError_deg = 5;
+inline constexpr double kMaxStepError_deg = 5, kMaxWobble_deg = 5, kMaxRunOut_mm = 10;
+inline constexpr double kMaxBump_deg = 20, kMaxSlip_deg = 180;
+inline constexpr double kMaxBow_mm = 10, kMaxStretch = 0.05, kMaxBoardTilt_deg = 60;
+inline constexpr int kMaxHandHeld = 200;
 
 /// A lamp far away, made soft by letting its light reach round the edge.
 struct Light {
   Eigen::Vector3d towards_in_stage;  ///< unit
   double intensity = 0;
   double wrap = 0;  ///< 0: Lambert; 1: light reaches the opposite pole
+};
+
+/// The board on the table, and in the hand.
+struct Chart {
+  Rigid3d world_from_board;
+  ChartMaterial material;
+  std::vector<HandHeldView> hand_held;
+  RayScene rays_in_hand;  ///< the board alone, where world_from_board has it
 };
 
 /// The studio with the object in it and the true cameras. World = the table top; stage = the studio.
@@ -62,11 +88,14 @@ struct Studio {
   std::vector<double> table_angle_rad;    ///< per view; 0 for a gantry
   std::vector<int> stop;                  ///< per view; a gantry stops for each view
   std::vector<double> commanded_rad;      ///< per stop of a turntable: its angle without step error
+  std::vector<StopError> stop_errors;     ///< per stop of a turntable
+  std::vector<Rigid3d> cam_from_stage;    ///< per camera; of a gantry's at its first stop
   std::vector<Light> lights;
   double ambient = 0;
   Material object, table_top, walls;
   double table_radius_m = 0;
-  RayScene rays;  ///< kObjectMesh, and with a backdrop kTableMesh
+  std::optional<Chart> chart;
+  RayScene rays;  ///< kObjectMesh (object or chart), and with a backdrop kTableMesh
 };
 inline constexpr int kObjectMesh = 0, kTableMesh = 1;
 inline constexpr double kWallRadius_m = 1.6;  ///< the walls are a sphere about the stage's origin

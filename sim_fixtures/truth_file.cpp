@@ -29,19 +29,43 @@ Json AsJson(const Rigid3d& pose) {
           {"translation_m", {pose.translation.x(), pose.translation.y(), pose.translation.z()}}};
 }
 
+Json AsJson(const std::vector<Fault>& faults) {
+  Json list = Json::array();
+  for (const Fault& fault : faults) list.push_back({{"index", fault.index}, {"angle_deg", fault.angle_deg}});
+  return list;
+}
+
+/// What sets may have besides: only what is used is written, so that others stay as they were to the byte.
+bool HasStopErrorsBesidesSteps(const StudioOptions& o) {
+  return o.wobble_deg != 0 || o.run_out_mm != 0 || !o.slips.empty();
+}
+
 Json AsJson(const StudioOptions& o) {
-  return {{"scene", NameOf(o.scene)},
-          {"motion", NameOf(o.motion)},
-          {"background", NameOf(o.surroundings)},
-          {"cameras", o.num_cameras},
-          {"stops", o.num_stops},
-          {"views", o.num_views},
-          {"width_px", o.width_px},
-          {"height_px", o.height_px},
-          {"distortion", o.distortion},
-          {"step_error_deg", o.step_error_deg},
-          {"random_seed", o.random_seed},
-          {"cell_m", o.cell_m}};
+  Json json = {{"scene", NameOf(o.scene)},
+               {"motion", NameOf(o.motion)},
+               {"background", NameOf(o.surroundings)},
+               {"cameras", o.num_cameras},
+               {"stops", o.num_stops},
+               {"views", o.num_views},
+               {"width_px", o.width_px},
+               {"height_px", o.height_px},
+               {"distortion", o.distortion},
+               {"step_error_deg", o.step_error_deg},
+               {"random_seed", o.random_seed},
+               {"cell_m", o.cell_m}};
+  if (o.wobble_deg != 0) json["wobble_deg"] = o.wobble_deg;
+  if (o.run_out_mm != 0) json["run_out_mm"] = o.run_out_mm;
+  if (!o.bumps.empty()) json["bumps"] = AsJson(o.bumps);
+  if (!o.slips.empty()) json["slips"] = AsJson(o.slips);
+  return json;
+}
+
+std::vector<Fault> FaultsFrom(const nlohmann::json& studio, const char* key) {
+  std::vector<Fault> faults;
+  for (const nlohmann::json& fault : studio.value(key, nlohmann::json::array())) {
+    faults.push_back({fault.at("index").get<int>(), fault.at("angle_deg").get<double>()});
+  }
+  return faults;
 }
 
 Result<StudioOptions> StudioOptionsFrom(const nlohmann::json& json) {
@@ -62,9 +86,49 @@ Result<StudioOptions> StudioOptionsFrom(const nlohmann::json& json) {
   json.at("height_px").get_to(options.height_px);
   json.at("distortion").get_to(options.distortion);
   json.at("step_error_deg").get_to(options.step_error_deg);
+  options.wobble_deg = json.value("wobble_deg", 0.0);
+  options.run_out_mm = json.value("run_out_mm", 0.0);
+  options.bumps = FaultsFrom(json, "bumps");
+  options.slips = FaultsFrom(json, "slips");
   json.at("random_seed").get_to(options.random_seed);
   json.at("cell_m").get_to(options.cell_m);
   return options;
+}
+
+Json StopsAsJson(const Studio& studio) {
+  Json stops = Json::array();
+  for (std::size_t i = 0; i < studio.stop_errors.size(); ++i) {
+    const StopError& error = studio.stop_errors[i];
+    stops.push_back({{"commanded_rad", studio.commanded_rad[i]},
+                     {"wobble_rad", {error[kWobbleX], error[kWobbleY]}},
+                     {"step_error_rad", error[kStep]},
+                     {"run_out_m", {error[kRunOutX], error[kRunOutY]}}});
+  }
+  return stops;
+}
+
+Json AsJson(const Chart& chart, const ChartOptions& options, const std::vector<Camera>& cameras) {
+  const Board& board = options.print.board;
+  Json json = {
+      {"board",
+       {{"family", board.family},
+        {"border_bits", board.border_bits},
+        {"columns", board.columns},
+        {"rows", board.rows},
+        {"tag_m", board.tag_m},
+        {"gap_m", board.gap_m},
+        {"first_id", board.first_id},
+        {"thickness_m", board.thickness_m}}},
+      {"shape",
+       {{"bow_x_m", options.shape.bow_x_m}, {"bow_y_m", options.shape.bow_y_m}, {"stretch", options.shape.stretch}}},
+      {"tilt_deg", options.tilt_deg},
+      {"world_from_board", AsJson(chart.world_from_board)}};
+  json["hand_held"] = Json::array();
+  for (const HandHeldView& view : chart.hand_held) {
+    json["hand_held"].push_back(
+        {{"name", view.name}, {"camera", cameras[view.camera].id}, {"cam_from_board", AsJson(view.cam_from_board)}});
+  }
+  return json;
 }
 
 /// Largest difference (metres, quaternion components) between the poses of truth.json and those of a studio.
@@ -108,6 +172,10 @@ std::string TruthText(const Studio& studio, const ShotOptions& shot) {
                              {"cam_from_world", AsJson(view.cam_from_world)},
                              {"table_angle_rad", studio.table_angle_rad[i]}});
   }
+  if (!studio.stop_errors.empty() && (studio.chart || HasStopErrorsBesidesSteps(studio.options))) {
+    json["stops"] = StopsAsJson(studio);
+  }
+  if (studio.chart) json["chart"] = AsJson(*studio.chart, *studio.options.chart, studio.truth.cameras);
   return json.dump(2) + "\n";
 }
 
@@ -116,6 +184,9 @@ Result<Studio> StudioFromTruth(std::string_view text, const std::string& file, c
   const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
   if (json.is_discarded()) return Fail(ErrorCode::kBadInput, "{}: is not JSON", file);
   try {
+    if (json.contains("chart")) {
+      return Fail(ErrorCode::kBadInput, "{}: is of a chart, only studios with an object can be made again", file);
+    }
     const auto options = StudioOptionsFrom(json.at("studio"));
     if (!options) return Fail(options.error().code, "{}: {}", file, options.error().message);
     auto studio = MakeStudio(*options, execution);

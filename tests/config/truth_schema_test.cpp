@@ -15,5 +15,20 @@ TEST(TruthFile, FollowsItsSchema) {
   EXPECT_EQ(SchemaComplaints("truth.schema.json", sim::TruthText(*studio, {})), "");
 }
 
+TEST(TruthFile, OfAChartFollowsItsSchema) {
+  sim::StudioOptions options;
+  options.num_stops = 3;
+  options.cell_m = 0.006;
+  options.wobble_deg = 0.02;
+  options.run_out_mm = 0.01;
+  options.bumps = {{0, 0.5}};
+  options.slips = {{1, 0.5}};
+  options.chart = sim::ChartOptions{.num_hand_held = 1};
+  options.chart->print = {{.columns = 1, .rows = 1, .tag_m = 0.1, .gap_m = 0.03}, 8, {cv::Mat1b(10, 10, uchar{0})}};
+  const auto studio = sim::MakeStudio(options, {});
+  ASSERT_TRUE(studio) << studio.error().message;
+  EXPECT_EQ(SchemaComplaints("truth.schema.json", sim::TruthText(*studio, {})), "");
+}
+
 }  // namespace
 }  // namespace rigcal
