@@ -16,9 +16,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t kNoiseTask = 1000;    ///< DeriveSeed: + view
-constexpr std::uint64_t kDisturbTask = 5000;  ///< DeriveSeed: + index of the start
-constexpr int kMinViewsOfPoint = 2;           ///< fewer say nothing about how cameras stand to each other
+constexpr std::uint64_t kNoiseTask = 1000;       ///< DeriveSeed: + view
+constexpr std::uint64_t kHandNoiseTask = 30000;  ///< DeriveSeed: + index of the hand-held view
+constexpr std::uint64_t kDisturbTask = 5000;     ///< DeriveSeed: + index of the start
+constexpr int kMinViewsOfPoint = 2;              ///< fewer say nothing about how cameras stand to each other
 constexpr int kMaxSamplesPerSide = 8;
 constexpr double kMaxBlur_px = 5, kMaxNoise = 64, kLeastDisturbance_px = 0.01, kMaxDisturbance_px = 100;
 
@@ -33,28 +34,36 @@ Result<void> WritePng(const fs::path& file, const cv::Mat& picture) {
   return WriteFileAtomically(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
-Result<void> WriteView(const sim::Studio& studio, int view, const sim::ShotOptions& shot, const fs::path& folder,
-                       const Execution& execution) {
-  const auto rendered = sim::RenderView(studio, view, shot.samples_per_side, execution);
+int NumHandHeld(const sim::Studio& studio) {
+  return studio.chart ? static_cast<int>(studio.chart->hand_held.size()) : 0;
+}
+
+/// Pictures count from the views at stops on to those of the board in the hand.
+Result<void> WritePicture(const sim::Studio& studio, int index, const sim::ShotOptions& shot, const fs::path& folder,
+                          const Execution& execution) {
+  const int held = index - studio.truth.NumViews();
+  const auto rendered = held < 0 ? sim::RenderView(studio, index, shot.samples_per_side, execution)
+                                 : sim::RenderHandHeld(studio, held, shot.samples_per_side, execution);
   if (!rendered) return Fail(rendered.error());
-  const std::uint64_t seed = DeriveSeed(studio.options.random_seed, kNoiseTask + static_cast<std::uint64_t>(view));
-  const std::string& name = studio.truth.views[view].name;
-  const cv::Mat picture = sim::Expose(rendered->radiance, shot.sensor, seed);
+  const std::uint64_t task =
+      held < 0 ? kNoiseTask + static_cast<std::uint64_t>(index) : kHandNoiseTask + static_cast<std::uint64_t>(held);
+  const std::string& name = held < 0 ? studio.truth.views[index].name : studio.chart->hand_held[held].name;
+  const cv::Mat picture = sim::Expose(rendered->radiance, shot.sensor, DeriveSeed(studio.options.random_seed, task));
   if (Result<void> written = WritePng(folder / name, picture); !written) return written;
   return WritePng(folder / "masks" / name, sim::MaskOf(*rendered));
 }
 
-/// All views, on the execution's threads; of several failures the first view's is reported.
-Result<void> WriteViews(const sim::Studio& studio, const sim::ShotOptions& shot, const fs::path& folder,
-                        const Execution& execution) {
-  const int count = studio.truth.NumViews();
+/// All pictures, on the execution's threads; of several failures the first picture's is reported.
+Result<void> WritePictures(const sim::Studio& studio, const sim::ShotOptions& shot, const fs::path& folder,
+                           const Execution& execution) {
+  const int count = studio.truth.NumViews() + NumHandHeld(studio);
   std::vector<std::optional<Error>> failures(count);
   std::mutex progress;
   int done = 0;
   const Execution alone{.stop = execution.stop, .num_threads = 1, .report_progress = {}};
-  const bool finished = ParallelFor(execution, count, [&](int view) {
-    const Result<void> written = WriteView(studio, view, shot, folder, alone);
-    if (!written) failures[view] = written.error();
+  const bool finished = ParallelFor(execution, count, [&](int index) {
+    const Result<void> written = WritePicture(studio, index, shot, folder, alone);
+    if (!written) failures[index] = written.error();
     const std::lock_guard lock(progress);
     execution.Report(static_cast<double>(++done) / count);
   });
@@ -151,7 +160,7 @@ Result<void> WriteSimFolder(const sim::Studio& studio, const SimFolderOptions& o
   if (Result<void> ok = WriteFileAtomically(folder / "truth.json", sim::TruthText(studio, options.shot)); !ok) {
     return ok;
   }
-  if (Result<void> ok = WriteViews(studio, options.shot, folder, execution); !ok || !options.recording) return ok;
+  if (Result<void> ok = WritePictures(studio, options.shot, folder, execution); !ok || !options.recording) return ok;
   return WriteSimRecording(studio, options.shot, folder);
 }
 

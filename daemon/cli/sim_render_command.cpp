@@ -5,6 +5,7 @@
 
 #include "daemon/cli/number_options.h"
 #include "daemon/cli/run_request.h"
+#include "daemon/cli/sim_chart_options.h"
 #include "daemon/cli/sim_commands.h"
 #include "daemon/cli/sim_folder.h"
 
@@ -14,6 +15,8 @@ namespace {
 struct RenderRequest {
   sim::StudioOptions studio;
   SimFolderOptions folder;
+  SimChartRequest chart;
+  std::vector<std::string> bumps, slips;
   std::string scene = "textured", motion = "turntable", background = "black";
   std::vector<double> distortion;
   std::string out;
@@ -46,8 +49,38 @@ Result<void> Complete(RenderRequest& request) {
   return {};
 }
 
+Result<void> CompleteRig(RenderRequest& request) {
+  auto bumps = FaultsOf("bump", "cam", request.bumps);
+  if (!bumps) return Fail(bumps.error());
+  auto slips = FaultsOf("slip", "", request.slips);
+  if (!slips) return Fail(slips.error());
+  auto chart = ChartOf(request.chart);
+  if (!chart) return Fail(chart.error());
+  request.studio.bumps = std::move(*bumps);
+  request.studio.slips = std::move(*slips);
+  request.studio.chart = std::move(*chart);
+  return {};
+}
+
+/// How far the rig's stops are off, and faults that nothing in the recording tells.
+void AddRigErrorOptions(CLI::App& command, RenderRequest& request) {
+  sim::StudioOptions& studio = request.studio;
+  command.add_option("--step-error-deg", studio.step_error_deg, "Standard deviation of the table's angles")
+      ->capture_default_str();
+  command
+      .add_option("--wobble-deg", studio.wobble_deg, "Standard deviation of the table's tilt, about each of x and y")
+      ->capture_default_str();
+  command.add_option("--run-out-mm", studio.run_out_mm, "Standard deviation of its shift, along each of x and y")
+      ->capture_default_str();
+  command.add_option("--bump", request.bumps, "CAMERA:DEG, a fault: this camera is turned by DEG about a random axis")
+      ->take_all();
+  command.add_option("--slip", request.slips, "STOP:DEG, a fault: at this stop the table has turned DEG too far")
+      ->take_all();
+}
+
 Result<void> Render(RenderRequest& request, const CommandSession& session) {
   if (auto completed = Complete(request); !completed) return completed;
+  if (auto completed = CompleteRig(request); !completed) return completed;
   Execution execution{.stop = session.stop, .num_threads = NumThreads(request.num_threads), .report_progress = {}};
   if (session.on_terminal) {
     execution.report_progress = [](double share) { fmt::print(stderr, "\rrender {:3.0f} %", 100 * share); };
@@ -56,7 +89,8 @@ Result<void> Render(RenderRequest& request, const CommandSession& session) {
   if (!studio) return Fail(studio.error());
   auto written = WriteSimFolder(*studio, request.folder, request.out, execution);
   if (session.on_terminal) fmt::print(stderr, "\n");
-  if (written) fmt::print("{} pictures in {}\n", studio->truth.NumViews(), request.out);
+  const std::size_t num_held = studio->chart ? studio->chart->hand_held.size() : 0;
+  if (written) fmt::print("{} pictures in {}\n", studio->truth.views.size() + num_held, request.out);
   return written;
 }
 
@@ -77,8 +111,8 @@ void AddSimRenderCommand(CLI::App& sim, CommandSession& session) {
   command->add_option("--width", studio.width_px, "Pixels")->capture_default_str();
   command->add_option("--height", studio.height_px, "Pixels")->capture_default_str();
   command->add_option("--distortion", request->distortion, "Brown coefficients k1,k2,p1,p2,k3")->delimiter(',');
-  command->add_option("--step-error-deg", studio.step_error_deg, "Standard deviation of the table's angles")
-      ->capture_default_str();
+  AddRigErrorOptions(*command, *request);
+  AddSimChartOptions(*command, request->chart);
   command->add_option("--samples", folder.shot.samples_per_side, "Samples along a pixel's side")->capture_default_str();
   command->add_option("--blur-px", folder.shot.sensor.blur_sigma_px, "Sigma of the lens")->capture_default_str();
   command->add_option("--noise", folder.shot.sensor.noise_sigma, "Sigma in grey levels of 8 bit")
@@ -88,8 +122,10 @@ void AddSimRenderCommand(CLI::App& sim, CommandSession& session) {
   command->add_option("--disturb-px", folder.disturb_px, "Mean errors of the disturbed starts")
       ->delimiter(',')
       ->capture_default_str();
-  command->add_flag("--recording", folder.recording, "Also write recording.json: the folder is a recording");
-  command->add_option("--random-seed", studio.random_seed, "Of noise, step errors and starts")->capture_default_str();
+  command->add_flag("--recording", folder.recording,
+                    "Also write recording.json: the folder is a recording; and rig.toml, of a turntable");
+  command->add_option("--random-seed", studio.random_seed, "Of noise, errors of the rig, starts and how a chart lies")
+      ->capture_default_str();
   AddThreadsOption(*command, request->num_threads);
   command->callback([request, &session] {
     const Result<void> rendered = Render(*request, session);

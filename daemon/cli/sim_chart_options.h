@@ -1,0 +1,30 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "sim_fixtures/studio.h"
+
+namespace rigcal {
+
+/// --chart and what says more about the board.
+struct SimChartRequest {
+  std::filesystem::path file;  ///< board.toml; empty: there is an object on the table
+  std::vector<double> bow_mm;  ///< along x, and along y
+  sim::ChartOptions options;   ///< all but print and bow
+};
+
+void AddSimChartOptions(CLI::App& command, SimChartRequest& request);
+
+/// Nothing without --chart. Errors: those of ReadFile and ParseBoard; kBadInput: more than two bows.
+Result<std::optional<sim::ChartOptions>> ChartOf(const SimChartRequest& request);
+
+/// The faults of `--OPTION INDEX:DEG`; an index may have `prefix` before it ("cam1:0.5"). Errors: kBadInput.
+Result<std::vector<sim::Fault>> FaultsOf(const std::string& option, const std::string& prefix,
+                                         const std::vector<std::string>& given);
+
+}  // namespace rigcal
