@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/base/ensure.h"
+#include "core/base/random.h"
 
 namespace rigcal::sim {
 namespace {
@@ -97,7 +98,7 @@ class RowRenderer {
     missed_.assign(camera_.width_px, side_ * side_);
     if (first < last) {
       MakeCornerRays(row, first, last);
-      ShootRow(first, last);
+      ShootRow(row, first, last);
     }
     float* radiance = out.radiance.ptr<float>(row);
     float* coverage = out.coverage.ptr<float>(row);
@@ -148,7 +149,14 @@ class RowRenderer {
     }
   }
 
-  void ShootRow(int first, int last) {
+  /// Where a pixel's samples of a chart begin. Were it the same place everywhere, an edge along the rows of the lattice
+  /// would lie wrong by the same part of a pixel from end to end (0.1 px with nine samples, whatever the lattice).
+  static Eigen::Vector2d ShiftAt(int row, int column) {
+    const std::uint64_t bits = DeriveSeed(static_cast<std::uint64_t>(row), static_cast<std::uint64_t>(column));
+    return {static_cast<double>(bits >> 32) * 0x1.0p-32, static_cast<double>(bits & 0xffffffffU) * 0x1.0p-32};
+  }
+
+  void ShootRow(int row, int first, int last) {
     RayPacket packet;
     std::array<int, kRayPacket> column{};
     int count = 0;
@@ -158,7 +166,10 @@ class RowRenderer {
       count = 0;
     };
     for (int c = first; c < last; ++c) {
-      for (const Eigen::Vector2d& sample : samples_in_pixel_) {
+      const Eigen::Vector2d shift = studio_.chart ? ShiftAt(row, c) : Eigen::Vector2d(0, 0);
+      for (const Eigen::Vector2d& unshifted : samples_in_pixel_) {
+        Eigen::Vector2d sample = unshifted + shift;
+        if (studio_.chart) sample.array() -= sample.array().floor();
         const double b = sample.y();
         const Vector3d left = (1 - b) * corners_[0][c - first] + b * corners_[1][c - first];
         const Vector3d right = (1 - b) * corners_[0][c - first + 1] + b * corners_[1][c - first + 1];

@@ -13,8 +13,8 @@ struct RenderedView {
   cv::Mat1f coverage;  ///< share of the pixel's samples that met the object or the table top
 };
 
-/// samples_per_side^2 rays a pixel on a regular grid (a box filter over the pixel); for a chart on a lattice whose rows
-/// and columns are all different, so that an edge along the pixel grid is placed to 1 / samples_per_side^2 of a pixel.
+/// samples_per_side^2 rays a pixel on a regular grid (a box filter over the pixel); for a chart on a turned
+/// grid that begins elsewhere in each pixel: its edges then lie right on the average along them, in any direction.
 /// Errors: kCancelled.
 Result<RenderedView> RenderView(const Studio& studio, int view, int samples_per_side, const Execution& execution);
 

@@ -63,7 +63,7 @@ double LargestError_px(const Studio& studio, const RenderedView& rendered, const
 }
 
 void ExpectCornersWhereProjected(const StudioOptions& options, std::size_t least_corners) {
-  constexpr int kSamples = 3;
+  constexpr int kSamples = 5;
   constexpr double kCornerError_px = 0.1;
   const Studio studio = MakeOrDie(options);
   std::size_t corners = 0;
