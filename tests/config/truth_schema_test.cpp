@@ -23,8 +23,13 @@ TEST(TruthFile, OfAChartFollowsItsSchema) {
   options.run_out_mm = 0.01;
   options.bumps = {{0, 0.5}};
   options.slips = {{1, 0.5}};
-  options.chart = sim::ChartOptions{.num_hand_held = 1};
-  options.chart->print = {{.columns = 1, .rows = 1, .tag_m = 0.1, .gap_m = 0.03}, 8, {cv::Mat1b(10, 10, uchar{0})}};
+  sim::ChartOptions& chart = options.chart.emplace();
+  chart.num_hand_held = 1;
+  chart.print.board.columns = chart.print.board.rows = 1;
+  chart.print.board.tag_m = 0.1;
+  chart.print.board.gap_m = 0.03;
+  chart.print.edge_cells = 8;
+  chart.print.cells.emplace_back(10, 10, uchar{0});
   const auto studio = sim::MakeStudio(options, {});
   ASSERT_TRUE(studio) << studio.error().message;
   EXPECT_EQ(SchemaComplaints("truth.schema.json", sim::TruthText(*studio, {})), "");
