@@ -16,9 +16,12 @@ namespace {
 constexpr int kMinTags = 3;
 // Tags large enough to calibrate with are seen at this size too, and a dozen searches take a second.
 constexpr std::size_t kMaxPixels = 1'500'000;
-constexpr int kWhite = 250, kBlack = 8;  // of 255: clipped, as good as black
-constexpr double kMostOfPicture = 0.5;   // share from which a picture counts as over-exposed or dark
-constexpr double kSharpStep = 0.12;      // of white minus black, between neighbouring pixels: blur of about 3 px
+constexpr int kWhite = 250, kBright = 128, kBlack = 8;  // of 255: clipped, the brighter half, as good as black
+constexpr double kMostOfBright =
+    0.8;                             // share of the brighter half that is clipped from which it counts as over-exposed
+constexpr double kAllBut = 0.98;     // share that is black from which it counts as dark: before a black cloth a
+                                     // chart may well fill a tenth of it, not a fiftieth
+constexpr double kSharpStep = 0.12;  // of white minus black, between neighbouring pixels: blur of about 3 px
 
 int CountIntact(const cv::Mat1b& picture, const TagFamily& family) {
   const std::vector<FoundTag> tags = FindTags(picture, family);
@@ -74,13 +77,14 @@ ChartFinding ExplainAbsence(const cv::Mat1b& picture, const Board& board) {
     return {ChartFindingKind::kMirrored,
             fmt::format("{} tags can be read in the mirror image: the picture or the print is mirrored", count), true};
   if (std::optional<ChartFinding> other = OtherTags(encoded, board)) return *std::move(other);
-  const double white = Share(cv::Mat(encoded >= kWhite)), black = Share(cv::Mat(encoded <= kBlack)),
-               step = SteepestStep(encoded);
+  const double black = Share(cv::Mat(encoded <= kBlack)), step = SteepestStep(encoded);
+  const double bright = Share(cv::Mat(encoded >= kBright));
+  const double clipped = bright > 1 - kAllBut ? Share(cv::Mat(encoded >= kWhite)) / bright : 0;
   std::string why = "no tag of the board is seen";
-  if (white > kMostOfPicture)
-    why += fmt::format("; {:.0f} % of the picture is over-exposed", 100 * white);
-  else if (black > kMostOfPicture)
+  if (black > kAllBut)
     why += fmt::format("; {:.0f} % of the picture is black", 100 * black);
+  else if (clipped > kMostOfBright)
+    why += fmt::format("; the picture is over-exposed, {:.0f} % of its bright parts are white", 100 * clipped);
   else if (step < kSharpStep)
     why += fmt::format(
         "; the picture is blurred (its steepest step between pixels is {:.0f} % of its range, sharp ones "
