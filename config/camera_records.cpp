@@ -43,22 +43,15 @@ Result<std::vector<std::string>> PhysicalIds(const std::vector<CameraRecord>& re
 }
 
 Result<void> CheckRecord(const CameraRecord& record, const CameraFileOptions& options) {
-  const Camera& camera = record.camera;
   if (record.name.empty() || record.name.size() > kMaxImageNameLength)
     return Fail(ErrorCode::kBadInput, "{}: an image name has 1 to {} characters, this one has {}", record.where,
                 kMaxImageNameLength, record.name.size());
   const bool has_controls = std::ranges::any_of(record.name, [](unsigned char c) { return std::iscntrl(c) != 0; });
   if (has_controls || !IsUtf8(record.name))
     return Fail(ErrorCode::kBadInput, "{}: the image name '{}' is not plain text in UTF-8", record.where, record.name);
-  if (!camera.Intrinsics().allFinite() || !record.cam_from_world.translation.allFinite())
+  if (!record.cam_from_world.translation.allFinite())
     return Fail(ErrorCode::kBadInput, "{}: holds a number that is not finite", record.where);
-  if (!(camera.fx_px > 0) || !(camera.fy_px > 0))
-    return Fail(ErrorCode::kBadInput, "{}: the focal length {} x {} px must be above 0", record.where, camera.fx_px,
-                camera.fy_px);
-  if (!options.allow_skew && std::abs(camera.skew_px) > kMaxIgnoredSkewPx)
-    return Fail(ErrorCode::kBadInput, "{}: a skew (k12) of {} px is above the limit of {} px", record.where,
-                camera.skew_px, kMaxIgnoredSkewPx);
-  return {};
+  return CheckIntrinsics(record.camera, record.where, options.allow_skew);
 }
 
 Result<void> CheckRecords(const std::vector<CameraRecord>& records, const std::string& file,
@@ -151,6 +144,18 @@ Result<void> AssemblePerCamera(const std::vector<CameraRecord>& records, const s
 }
 
 }  // namespace
+
+Result<void> CheckIntrinsics(const Camera& camera, const std::string& where, bool allow_skew) {
+  if (!camera.Intrinsics().allFinite())
+    return Fail(ErrorCode::kBadInput, "{}: holds a number that is not finite", where);
+  if (!(camera.fx_px > 0) || !(camera.fy_px > 0))
+    return Fail(ErrorCode::kBadInput, "{}: the focal length {} x {} px must be above 0", where, camera.fx_px,
+                camera.fy_px);
+  if (!allow_skew && std::abs(camera.skew_px) > kMaxIgnoredSkewPx)
+    return Fail(ErrorCode::kBadInput, "{}: a skew (k12) of {} px is above the limit of {} px", where, camera.skew_px,
+                kMaxIgnoredSkewPx);
+  return {};
+}
 
 Result<Eigen::Quaterniond> RotationFromMatrix(const Eigen::Matrix3d& matrix, const std::string& where) {
   const double error = (matrix.transpose() * matrix - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();

@@ -24,6 +24,9 @@ Result<Eigen::Quaterniond> RotationFromMatrix(const Eigen::Matrix3d& matrix, con
 /// A quaternion of about unit length, normalised. Errors: kBadInput.
 Result<Eigen::Quaterniond> RotationFromQuaternion(double w, double x, double y, double z, const std::string& where);
 
+/// Whether the intrinsics can be those of a camera. Errors: kBadInput.
+Result<void> CheckIntrinsics(const Camera& camera, const std::string& where, bool allow_skew);
+
 /// Largest departure of R^T R from the identity, or of |q| from 1, at which numbers still count as a rotation. Files
 /// that print four digits stay below.
 inline constexpr double kMaxRotationError = 1e-3;

@@ -1,5 +1,6 @@
 #include "config/rig_section.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 
 #include "config/covariance_json.h"
@@ -49,10 +50,34 @@ std::vector<std::optional<Rigid3d>> MountsFrom(const Json& json, const std::vect
     const auto id = mount.at("camera").get<std::string>();
     const auto camera = std::ranges::find(cameras, id, &Camera::id);
     if (camera == cameras.end()) Refuse("rig: mount of a camera '{}' that is not there", id);
-    mounts[static_cast<std::size_t>(camera - cameras.begin())] =
-        PoseFrom(mount.at("cam_from_mount"), "translation_m", fmt::format("{} mount of '{}'", file, id));
+    auto& place = mounts[static_cast<std::size_t>(camera - cameras.begin())];
+    if (place) Refuse("rig: the camera '{}' is mounted twice", id);
+    place = PoseFrom(mount.at("cam_from_mount"), "translation_m", fmt::format("{} mount of '{}'", file, id));
   }
   return mounts;
+}
+
+/// Refuses what is the covariance of nothing: negative variances, poses of which only some numbers are uncertain,
+/// correlations that cannot be.
+void CheckCovariance(const Eigen::MatrixXd& joint, int num_cameras) {
+  std::vector<int> rows;
+  for (int row = 0; row < static_cast<int>(joint.rows()); ++row) {
+    if (joint(row, row) < 0) Refuse("rig: row {} of the covariance has the variance {}", row, joint(row, row));
+    if (joint(row, row) > 0) rows.push_back(row);
+  }
+  constexpr int kPoseSize = 6;
+  for (int first = RigCovariance::MountRow(num_cameras, 0); first < RigCovariance::AxesRow(num_cameras);
+       first += kPoseSize) {
+    const auto num_uncertain = (joint.diagonal().segment<kPoseSize>(first).array() > 0).count();
+    if (num_uncertain != 0 && num_uncertain != kPoseSize)
+      Refuse("rig: of the covariance's rows {} to {}, a pose, only {} are listed", first, first + kPoseSize - 1,
+             num_uncertain);
+  }
+  const Eigen::MatrixXd listed = joint(rows, rows);
+  const Eigen::VectorXd scale = listed.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::LLT<Eigen::MatrixXd> correlation(scale.asDiagonal() * listed * scale.asDiagonal());
+  if (!rows.empty() && correlation.info() != Eigen::Success)
+    Refuse("rig: the covariance is not positive definite: its correlations cannot be");
 }
 
 }  // namespace
@@ -82,6 +107,8 @@ RigEstimate RigSectionFrom(const Json& json, const std::vector<Camera>& cameras,
   Positioner& positioner = rig.model.positioner;
   positioner.kind = ValueOf(kPositionerKinds, json, "kind");
   positioner.load = ValueOf(kPositionerLoads, json, "carries");
+  if (positioner.kind == PositionerKind::kTurntable && positioner.load != PositionerLoad::kObject)
+    Refuse("rig: a turntable carries the object");
   rig.axes = json.at("axes").get<std::vector<std::string>>();
   positioner.num_axes = positioner.kind == PositionerKind::kGantry ? static_cast<int>(rig.axes.size()) : 0;
   const std::size_t most = positioner.kind == PositionerKind::kGantry ? kMaxGantryAxes : 1;
@@ -93,7 +120,9 @@ RigEstimate RigSectionFrom(const Json& json, const std::vector<Camera>& cameras,
   positioner.anchor_from_world = PoseFrom(json.at("anchor_from_world"), "translation_m", file + " anchor_from_world");
   positioner.axes_in_stage = Eigen::Map<const Eigen::Matrix3d>(Numbers(json, "axes_in_stage", kMaxAxisNumbers).data());
   rig.model.cam_from_mount = MountsFrom(json, cameras, file);
-  rig.covariance.joint = CovarianceFrom(json.at("covariance"), RigCovariance::Size(static_cast<int>(cameras.size())));
+  const int num_cameras = static_cast<int>(cameras.size());
+  rig.covariance.joint = CovarianceFrom(json.at("covariance"), RigCovariance::Size(num_cameras));
+  CheckCovariance(rig.covariance.joint, num_cameras);
   return rig;
 }
 

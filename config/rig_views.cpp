@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "config/calibration_file.h"
+#include "config/camera_records.h"
 #include "config/load_cameras.h"
 #include "config/rig_file.h"
 #include "core/rig/rig_model_pose.h"
@@ -20,6 +21,8 @@ Result<int> CameraIn(const RigCalibration& rigged, const std::string& cameras, c
   if (found->width_px != recorded.width_px || found->height_px != recorded.height_px)
     return Fail(ErrorCode::kBadInput, "{}: the camera '{}' is {} x {} px, in {} it is {} x {} px", cameras, recorded.id,
                 found->width_px, found->height_px, recording_name, recorded.width_px, recorded.height_px);
+  const std::string where = fmt::format("{}: camera '{}'", cameras, recorded.id);
+  if (const Result<void> checked = CheckIntrinsics(*found, where, false); !checked) return Fail(checked.error());
   const int camera = static_cast<int>(found - rigged.cameras.begin());
   if (!rigged.rig->model.cam_from_mount[camera])
     return Fail(ErrorCode::kBadInput,

@@ -31,8 +31,8 @@ struct RigViews {
 
 /// Gives every picture of the object the pose that the rig gives it at its stop, had that no error. `cameras` and
 /// `recording_name` name the sources in messages. Errors: those of StopPositions; kBadInput: a camera that the
-/// calibration does not have, that is of another size or has no place in the rig, a picture without a stop, fewer than
-/// three views.
+/// calibration does not have, that cannot be one (CheckIntrinsics), that is of another size or has no place in the rig,
+/// a picture without a stop, fewer than three views.
 Result<RigViews> PlaceRecording(const RigCalibration& rigged, const std::string& cameras, const Recording& recording,
                                 const std::string& recording_name);
 

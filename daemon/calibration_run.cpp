@@ -74,13 +74,13 @@ Result<RefinedRig> RefineRig(const ImageSet& images, const RigCalibration& seed,
     rig.tracks = std::move(adjusted->tracks);
   }
   rig.calibration = state->calibration;
-  FinishRig(*state, options, rig);
   rig.patch_colours_bgr = PatchColours(rig.patches, images, rig.calibration);
 
   Result<ValidationReport> validation =
       Judge(EvidenceFor(images, rig.calibration, rig.tracks, seed, state->initial_error_px, options), context);
   if (!validation) return Fail(validation.error());
   ReportOutcome(rig.calibration, rig.tracks, *validation, rig.report);
+  FinishRig(*state, options, rig);
   return rig;
 }
 

@@ -238,6 +238,11 @@ void FinishRig(const RefineState& state, const RefineOptions& options, RefinedRi
   }
   rig.report.rig = std::move(fit);
   rig.report.contradictions = state.rig->contradictions;
+  ValidationReport& validation = rig.report.validation;
+  if (!state.rig->scale_is_lost) return;
+  if (validation.verdict == Verdict::kAccepted) validation.verdict = Verdict::kInconclusive;
+  validation.reasons.push_back(
+      {.check = "cameras that kept their place in the rig", .value = 0, .limit = 1, .unit = ""});
 }
 
 void ReportOutcome(const RigCalibration& calibration, const TrackSet& tracks, const ValidationReport& validation,

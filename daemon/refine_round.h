@@ -56,7 +56,8 @@ ValidationInput EvidenceFor(const ImageSet& images, const RigCalibration& calibr
 void ReportOutcome(const RigCalibration& calibration, const TrackSet& tracks, const ValidationReport& validation,
                    RunReport& report);
 
-/// What was found of the rig, when there is one, goes into the report and into the calibration.
+/// What was found of the rig, when there is one, goes into the report and into the calibration. A run that lost the
+/// scale cannot be accepted.
 void FinishRig(const RefineState& state, const RefineOptions& options, RefinedRig& rig);
 
 }  // namespace rigcal

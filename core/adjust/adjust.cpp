@@ -120,13 +120,14 @@ void HoldUndetermined(const MeasurementSet& measurements, BundleTerms& terms) {
 /// How far off the features of the view that is farthest off are (median): a rig moves many views at once, and the
 /// features of a camera that was bumped must not pass for outliers.
 double WidestView(const FitResiduals& residuals, const MeasurementSet& measurements, int num_views) {
+  constexpr std::size_t kLeastFeatures = 25;  // a single wrong one shall not decide
   std::vector<std::vector<double>> by_view(static_cast<std::size_t>(num_views));
   for (std::size_t i = 0; i < measurements.items.size(); ++i) {
     by_view[static_cast<std::size_t>(measurements.items[i].view)].push_back(residuals.sigmas[i]);
   }
   double widest = 0;
   for (std::vector<double>& view : by_view) {
-    if (!view.empty()) widest = std::max(widest, Median(std::move(view)));
+    if (view.size() >= kLeastFeatures) widest = std::max(widest, Median(std::move(view)));
   }
   return widest;
 }
@@ -135,7 +136,7 @@ double WidestView(const FitResiduals& residuals, const MeasurementSet& measureme
 /// of the first solution is as wide as the cameras are off: a narrow one would take right features of a wrong view for
 /// outliers.
 Result<int> SolveRobustly(const AdjustOptions& options, const Execution& execution, BundleTerms& terms,
-                          BundleUnknowns& unknowns, std::vector<std::string>& contradictions) {
+                          BundleUnknowns& unknowns, RigOutcome& outcome) {
   const RigCalibration& calibration = unknowns.calibration;
   MeasurementSet& measurements = unknowns.measurements;
   const double final_scale = options.cauchy_scale_px / options.noise.observation_sigma_px;
@@ -154,10 +155,24 @@ Result<int> SolveRobustly(const AdjustOptions& options, const Execution& executi
   execution.Report(0.5);
   DropGrossErrors(ResidualsOf(calibration, measurements), final_scale, calibration.NumViews(), measurements);
   if (measurements.items.empty()) return Fail(ErrorCode::kBadInput, "bundle adjustment: no two features agree");
-  const Result<int> last = SolveBundle(terms, final_limits, execution, unknowns);
-  if (!last) return last;
-  if (terms.rig) contradictions = SentencesOf(let_go, unknowns, *options.rig);
-  return iterations + *last;
+  do {
+    const Result<int> last = SolveBundle(terms, final_limits, execution, unknowns);
+    if (!last) return last;
+    iterations += *last;
+  } while (terms.rig && LetGoOfWorst(unknowns, options.contradiction_sigmas, *terms.rig, let_go));
+  if (terms.rig) {
+    outcome.contradictions = SentencesOf(let_go, options.contradiction_sigmas, unknowns, *options.rig);
+    outcome.scale_is_lost = ScaleIsLost(let_go, unknowns);
+  }
+  return iterations;
+}
+
+/// What the features determine but the points; a rig has far fewer than six for each view.
+int NumCameraParameters(const BundleTerms& terms) {
+  if (!terms.rig) return RowsOf(terms.free).count;
+  auto count = static_cast<int>(terms.rig->prior.FreeRows().size());
+  for (const StopError& sigma : terms.rig->stop_error_sigma) count += static_cast<int>((sigma.array() > 0).count());
+  return count;
 }
 
 void MoveToFrame(const Similarity3d& new_from_old, RigCalibration& calibration, MeasurementSet& measurements) {
@@ -214,9 +229,9 @@ Result<Adjustment> Adjust(const RigCalibration& start, const TrackSet& tracks,
                 num_offered, RowsOf(terms.free).count);
   }
 
-  std::vector<std::string> contradictions;
+  RigOutcome outcome;
   const Result<int> iterations = options.paper ? SolveBundle(terms, kPaperLimits, execution, unknowns)
-                                               : SolveRobustly(options, execution, terms, unknowns, contradictions);
+                                               : SolveRobustly(options, execution, terms, unknowns, outcome);
   if (!iterations) return Fail(iterations.error());
   const bool gauge_is_free = !terms.rig && !terms.free.AnyPoseFixed();
   if (gauge_is_free && !terms.anchors.empty()) {
@@ -227,8 +242,9 @@ Result<Adjustment> Adjust(const RigCalibration& start, const TrackSet& tracks,
   const MeasurementSet& measurements = unknowns.measurements;
   const FitResiduals residuals = ResidualsOf(out.calibration, measurements);
   const double cauchy_scale = options.paper ? 0 : options.cauchy_scale_px / options.noise.observation_sigma_px;
-  const NoiseEstimate noise = EstimateNoise(
-      residuals.sigmas, cauchy_scale, RowsOf(terms.free).count + 3 * static_cast<int>(measurements.x_in_world.size()));
+  const NoiseEstimate noise =
+      EstimateNoise(residuals.sigmas, cauchy_scale,
+                    NumCameraParameters(terms) + 3 * static_cast<int>(measurements.x_in_world.size()));
   out.tracks = TracksAfter(tracks, measurements);
   TriangulateHeldOut(out.calibration, out.tracks);
   out.report.num_iterations = *iterations;
@@ -237,8 +253,9 @@ Result<Adjustment> Adjust(const RigCalibration& start, const TrackSet& tracks,
   out.report.observation_sigma_px = noise.sigma * options.noise.observation_sigma_px;
   ReportFit(residuals, measurements, expected_error_px, options, out.report);
   if (terms.rig) {
-    out.rig = RigOutcome{std::move(*unknowns.rig), std::vector(terms.rig->stops.size(), StopError(StopError::Zero())),
-                         std::move(contradictions)};
+    outcome.state = std::move(*unknowns.rig);
+    outcome.stop_error_sigma.assign(terms.rig->stops.size(), StopError::Zero());
+    out.rig = std::move(outcome);
   }
   if (options.estimate_covariance && !options.paper && (!gauge_is_free || !terms.anchors.empty())) {
     WritePosterior(measurements, noise, terms, out);

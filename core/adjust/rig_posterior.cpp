@@ -1,6 +1,6 @@
 #include "core/adjust/rig_posterior.h"
 
-#include <cmath>
+#include <algorithm>
 
 #include "core/rig/camera_information.h"
 #include "core/rig/rig_model_pose.h"
@@ -66,16 +66,20 @@ void WriteRigPosterior(const Eigen::MatrixXd& features, const BundleTerms& terms
   information += used.transpose() * features * used;
   // Intrinsics that are held by the run are known to it: their columns leave the information.
   const std::vector<int> estimated = terms.free.JointRows();
+  const std::size_t num_free = free.size();
   std::erase_if(free, [&](int column) {
     const bool intrinsic = column < RigCovariance::MountRow(columns.num_cameras, 0);
     return intrinsic && std::find(estimated.begin(), estimated.end(), column) == estimated.end();
   });
+  const bool lens_is_held = free.size() != num_free;
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(columns.Count(), columns.Count());
   covariance(free, free) = CovarianceFromInformation(information(free, free));
 
   out.calibration.covariance = CalibrationCovariance{by_rig * covariance * by_rig.transpose()};
   const int size = RigCovariance::Size(columns.num_cameras);
   out.calibration.rig = RigEstimate{state.model, {}, {covariance.topLeftCorner(size, size)}};
+  // A lens that the run was told to hold is not known any better: later runs start from what was known before.
+  if (lens_is_held) out.calibration.rig->covariance = rig.prior.covariance;
   for (int s = 0; s < columns.num_stops; ++s) {
     out.rig->stop_error_sigma[s] =
         covariance.diagonal().segment<kStopErrorSize>(columns.Stop(s)).cwiseMax(0).cwiseSqrt();

@@ -60,6 +60,18 @@ void LoosenMount(int camera, double sigma_rad, double sigma_m, RigPrior& prior) 
   diagonal.segment<3>(row + 3).array() += sigma_m * sigma_m;
 }
 
+void LoosenLens(int camera, double focal_share_sigma, double centre_sigma_px, RigPrior& prior) {
+  const int row = RigCovariance::IntrinsicsRow(camera);
+  const auto is_free = [&](int k) { return prior.covariance.joint(row + k, row + k) > 0; };
+  const Eigen::Vector2d focal_px = focal_share_sigma * Eigen::Vector2d(is_free(kFx) ? prior.cameras[camera].fx_px : 0,
+                                                                       is_free(kFy) ? prior.cameras[camera].fy_px : 0);
+  static_assert(kFy == kFx + 1);
+  prior.covariance.joint.block<2, 2>(row + kFx, row + kFx) += focal_px * focal_px.transpose();
+  for (const int k : {kCx, kCy}) {
+    if (is_free(k)) prior.covariance.joint(row + k, row + k) += centre_sigma_px * centre_sigma_px;
+  }
+}
+
 RigPriorResidual::RigPriorResidual(const RigPrior& prior) : prior_(prior) {
   const std::vector<int> rows = prior.FreeRows();
   const auto num_free = static_cast<Eigen::Index>(rows.size());

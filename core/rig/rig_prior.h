@@ -15,6 +15,10 @@ Eigen::VectorXd DepartureFrom(const RigPrior& prior, const std::vector<Camera>& 
 /// Lets a camera's mount depart from the prior by so much more, independently of everything else.
 void LoosenMount(int camera, double sigma_rad, double sigma_m, RigPrior& prior);
 
+/// Lets a camera's lens depart from the prior by so much more: its focal lengths together by a share of themselves, its
+/// principal point in each direction. What the prior holds stays held.
+void LoosenLens(int camera, double focal_share_sigma, double centre_sigma_px, RigPrior& prior);
+
 /// covariance^(-1/2) * (departure from the prior), a residual for each free row. Blocks: the intrinsics of every
 /// camera, the mount of every camera (PoseBlock), anchor_from_world (PoseBlock), axes_in_stage.
 class RigPriorResidual : public ceres::CostFunction {

@@ -18,8 +18,10 @@ constexpr int kPyramidLevels = 5;
 /// Patches are coloured from pictures of this level, where a patch is about a pixel.
 constexpr int kColourLevel = 2;
 /// How far a mount may have crept since the chart was seen: a tenth of a pixel at 2000 px of focal length and 0.5 m.
-/// Chosen; a mount that moved by more than five times that is named.
+/// Chosen.
 constexpr double kMountDriftRad = 5e-5, kMountDriftM = 2.5e-5;
+/// And its lens, by temperature: 0.2 px at the edge of a picture of 4000 px. Chosen.
+constexpr double kFocalDriftShare = 1e-4, kCentreDriftPx = 0.1;
 
 IntrinsicsMode ModeOf(const RunRequest& request) {
   if (request.method == "paper" || request.intrinsics == "per-view") return IntrinsicsMode::kPerView;
@@ -91,6 +93,7 @@ RigTerms TermsOf(const RigCalibration& rigged, const RigViews& placed) {
                  .axes = rig.axes};
   for (int c = 0; c < rigged.NumCameras(); ++c) {
     if (rig.model.cam_from_mount[c]) LoosenMount(c, kMountDriftRad, kMountDriftM, terms.prior);
+    LoosenLens(c, kFocalDriftShare, kCentreDriftPx, terms.prior);
   }
   return terms;
 }
@@ -109,7 +112,9 @@ Result<bool> StartsFromRig(const RunRequest& request, const OpenedPictures& pict
   }
   const bool starts = has_rig && is_recording && request.poses != "file";
   if (starts && ModeOf(request) == IntrinsicsMode::kPerView)
-    return Fail(ErrorCode::kBadInput, "{}: its cameras belong to a rig and cannot be taken apart view by view",
+    return Fail(ErrorCode::kBadInput,
+                "{}: its cameras belong to a rig; --intrinsics per-view and --method paper, which "
+                "take them apart view by view, need cameras without one",
                 request.cameras.string());
   return starts;
 }
@@ -128,6 +133,8 @@ Result<LoadedCameras> CamerasFor(const RunRequest& request, const OpenedPictures
     if (!placed) return Fail(placed.error());
     if (request.poses != "free" && request.fixed_cameras.empty()) terms = TermsOf(rig.calibration, *placed);
     LoadedCameras loaded{.calibration = std::move(placed->calibration), .sizes_known = true};
+    if (request.poses == "auto" && !request.fixed_cameras.empty())
+      loaded.notes.emplace_back("--fix-cameras: the poses are free, not those of the rig");
     loaded.files = {rig.file};
     return loaded;
   }

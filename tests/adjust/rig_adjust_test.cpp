@@ -29,19 +29,21 @@ struct TurntableScene {
 };
 
 struct TurntableOptions {
-  int num_stops = 8, num_points = 300;
+  int num_cameras = 3, num_points = 300;
   std::uint64_t random_seed = 1;
-  double bump_rad = 0;  ///< of camera 1 since the chart
-  double slip_rad = 0;  ///< of the table at stop 5
-  int blind_view = -1;  ///< sees nothing
-  double noise_px = 0.3;
+  double bump_rad = 0;  ///< of the camera `bumped` since the chart
+  int bumped = 1;
+  double focal_change = 0;  ///< of camera 1 since the chart, a share of itself
+  double slip_rad = 0;      ///< of the table at stop 5
+  int used_stops = 8;       ///< of 8 that there are
+  int blind_view = -1;      ///< sees nothing
 };
 
 /// What a chart leaves uncertain: a pixel of lens, a tenth of a millimetre and 0.01 degrees of each mount.
-RigPrior PriorOfRig() {
+RigPrior PriorOfRig(int num_cameras) {
   RigPrior prior;
   prior.model = Turntable();
-  for (int c = 0; c < 3; ++c) {
+  for (int c = 0; c < num_cameras; ++c) {
     Camera camera = StudioCamera();
     camera.id = camera.physical_id = "cam" + std::to_string(c);
     camera.k1 = -0.1;
@@ -51,9 +53,10 @@ RigPrior PriorOfRig() {
                                     std::cos(elevation_rad) * std::sin(azimuth_rad), std::sin(elevation_rad));
     prior.model.cam_from_mount.emplace_back(LookingAtOrigin(kDistance_m * direction));
   }
-  prior.covariance.joint = Eigen::MatrixXd::Zero(RigCovariance::Size(3), RigCovariance::Size(3));
+  const int size = RigCovariance::Size(num_cameras);
+  prior.covariance.joint = Eigen::MatrixXd::Zero(size, size);
   auto variance = prior.covariance.joint.diagonal();
-  for (int c = 0; c < 3; ++c) {
+  for (int c = 0; c < num_cameras; ++c) {
     variance.segment<4>(RigCovariance::IntrinsicsRow(c)).setConstant(1);
     variance[RigCovariance::IntrinsicsRow(c) + kK1] = 1e-4;
     LoosenMount(c, 2e-4, 1e-4, prior);
@@ -66,10 +69,11 @@ TurntableScene MakeTurntable(const TurntableOptions& options) {
   Random random(options.random_seed);
   TurntableScene scene;
   RigTerms& rig = scene.rig;
-  rig.prior = PriorOfRig();
+  rig.prior = PriorOfRig(options.num_cameras);
   scene.true_state.model = rig.prior.model;
-  for (int s = 0; s < options.num_stops; ++s) {
-    rig.stops.push_back({std::to_string(s), {2 * std::numbers::pi * s / options.num_stops}, std::nullopt});
+  constexpr int kNumStops = 8;
+  for (int s = 0; s < kNumStops; ++s) {
+    rig.stops.push_back({std::to_string(s), {2 * std::numbers::pi * s / kNumStops}, std::nullopt});
     StopError& error = scene.true_state.stop_errors.emplace_back(rig.prior.model.error_sigma);
     for (double& component : error) component *= random.Normal();
     if (s == 5) error[kStep] += options.slip_rad;
@@ -77,18 +81,19 @@ TurntableScene MakeTurntable(const TurntableOptions& options) {
   rig.stop_error_sigma.assign(rig.stops.size(), rig.prior.model.error_sigma);
   rig.start = {rig.prior.model, std::vector(rig.stops.size(), StopError(StopError::Zero()))};
   scene.start.cameras = scene.truth.cameras = rig.prior.cameras;
-  for (int c = 0; c < 3; ++c) {
+  for (int c = 0; c < options.num_cameras; ++c) {
     const Eigen::VectorXd sigma = rig.prior.covariance.joint.diagonal().cwiseSqrt();
     IntrinsicVector intrinsics = rig.prior.cameras[c].Intrinsics();
     for (int k = 0; k < kNumIntrinsics; ++k)
       intrinsics[k] += random.Normal() * sigma[RigCovariance::IntrinsicsRow(c) + k];
+    if (c == 1) intrinsics.head<2>() *= 1 + options.focal_change;
     scene.truth.cameras[c].SetIntrinsics(intrinsics);
     Eigen::Matrix<double, 6, 1> moved;
-    for (int k = 0; k < 6; ++k) moved[k] = random.Normal() * sigma[RigCovariance::MountRow(3, c) + k];
-    if (c == 1) moved[1] += options.bump_rad;
+    for (int k = 0; k < 6; ++k) moved[k] = random.Normal() * sigma[RigCovariance::MountRow(options.num_cameras, c) + k];
+    if (c == options.bumped) moved[1] += options.bump_rad;
     auto& mount = scene.true_state.model.cam_from_mount[c];
     mount = Disturbed(*mount, moved);
-    for (int s = 0; s < options.num_stops; ++s) {
+    for (int s = 0; s < options.used_stops; ++s) {
       rig.stop_of_view.push_back(s);
       scene.start.views.push_back({"cam" + std::to_string(c) + "_" + std::to_string(s), c, {}});
     }
@@ -97,7 +102,7 @@ TurntableScene MakeTurntable(const TurntableOptions& options) {
   PlaceViews(rig.start.model, rig.stops, rig.start.stop_errors, rig.stop_of_view, scene.start);
   PlaceViews(scene.true_state.model, rig.stops, scene.true_state.stop_errors, rig.stop_of_view, scene.truth);
   scene.surface = Surface(options.num_points, random);
-  scene.tracks = Observe(scene.truth, scene.surface, {.sigma_px = options.noise_px, .outlier_share = 0.02}, random);
+  scene.tracks = Observe(scene.truth, scene.surface, {.sigma_px = 0.3, .outlier_share = 0.02}, random);
   for (Track& track : scene.tracks.tracks) {
     std::erase_if(track.observations, [&](const Observation& o) { return o.view == options.blind_view; });
   }
@@ -166,6 +171,49 @@ TEST(AdjustRig, NamesTheStopThatSlipped) {
   ASSERT_EQ(adjusted->rig->contradictions.size(), 1u);
   EXPECT_THAT(adjusted->rig->contradictions[0], HasSubstr("stop 5: step error"));
   EXPECT_LT(TruthErrorPx(scene.truth, adjusted->calibration, scene.surface), 0.1);
+}
+
+TEST(AdjustRig, NamesBothFaultsAtOnce) {
+  const TurntableScene scene = MakeTurntable({.bump_rad = 0.5 * kDegree, .slip_rad = 1 * kDegree});
+  const auto adjusted = scene.Run();
+  ASSERT_TRUE(adjusted) << adjusted.error().message;
+  EXPECT_THAT(adjusted->rig->contradictions,
+              ::testing::UnorderedElementsAre(HasSubstr("camera cam1 moved"), HasSubstr("stop 5: step error")));
+  EXPECT_FALSE(adjusted->rig->scale_is_lost);
+}
+
+TEST(AdjustRig, SaysThatAChangeOfFocusLooksLikeAMove) {
+  const TurntableScene scene = MakeTurntable({.focal_change = 0.01});
+  const auto adjusted = scene.Run();
+  ASSERT_TRUE(adjusted) << adjusted.error().message;
+  EXPECT_THAT(adjusted->rig->contradictions,
+              ::testing::ElementsAre(::testing::AllOf(HasSubstr("camera cam1 moved"), HasSubstr("change of focus"))));
+}
+
+TEST(AdjustRig, WithoutACameraInItsPlaceNothingTellsLengths) {
+  const TurntableScene scene = MakeTurntable({.num_cameras = 1, .bump_rad = 0.5 * kDegree, .bumped = 0});
+  const auto adjusted = scene.Run();
+  ASSERT_TRUE(adjusted) << adjusted.error().message;
+  EXPECT_TRUE(adjusted->rig->scale_is_lost);
+  EXPECT_THAT(adjusted->rig->contradictions, ::testing::Contains(HasSubstr("show the chart again")));
+}
+
+TEST(AdjustRig, StopsThatNothingShowsHaveNoSay) {
+  // Half of the stops are in the recording for the chart's sake alone.
+  const TurntableScene scene = MakeTurntable({.slip_rad = 1 * kDegree, .used_stops = 6});
+  const auto adjusted = scene.Run();
+  ASSERT_TRUE(adjusted) << adjusted.error().message;
+  ASSERT_EQ(adjusted->rig->contradictions.size(), 1u);
+  EXPECT_THAT(adjusted->rig->contradictions[0], HasSubstr("stop 5: step error of"));
+}
+
+TEST(AdjustRig, ALensThatIsHeldLeavesTheRigAsItWasKnown) {
+  const TurntableScene scene = MakeTurntable({});
+  const auto adjusted = scene.Run({.intrinsics = IntrinsicsMode::kFixed});
+  ASSERT_TRUE(adjusted) << adjusted.error().message;
+  EXPECT_EQ(adjusted->calibration.cameras[0].fx_px, scene.start.cameras[0].fx_px);
+  EXPECT_EQ(adjusted->calibration.rig->covariance.joint, scene.rig.prior.covariance.joint);
+  EXPECT_EQ(adjusted->calibration.covariance->joint(kFx, kFx), 0);
 }
 
 TEST(AdjustRig, StatesItsUncertaintyHonestly) {

@@ -55,11 +55,31 @@ TEST(RigSection, RefusesWhatItCannotUse) {
   };
   refused("\"turntable\"", "\"carousel\"", {"calibration.json", "kind is 'carousel'", "turntable, gantry, arm"});
   refused("\"carries\": \"object\"", "\"carries\": \"nothing\"", {"carries is 'nothing'"});
+  refused("\"carries\": \"object\"", "\"carries\": \"cameras\"", {"a turntable carries the object"});
+  refused("\"camera\": \"right\",\n        \"cam_from_mount\"", "\"camera\": \"left\",\n        \"cam_from_mount\"",
+          {"'left' is mounted twice"});
   refused("\"axes\": [\"table\"]", "\"axes\": []", {"0 axes of a turntable"});
   refused("\"stop_error_sigma\": [", "\"stop_error_sigma\": [1, ", {"stop_error_sigma has 7 numbers, 6"});
   refused("\"stop_error_sigma\": [", "\"stop_error_sigma\": [-1, 0, 0, 0, 0, 0], \"was\": [", {"negative"});
   refused("\"camera\": \"right\",\n        \"cam_from_mount\"", "\"camera\": \"middle\",\n        \"cam_from_mount\"",
           {"a camera 'middle'"});
+}
+
+TEST(RigSection, RefusesWhatIsTheCovarianceOfNothing) {
+  const auto refused = [](const auto& spoil, const std::string& part) {
+    RigCalibration rigged = ExampleRigged();
+    spoil(rigged.rig->covariance.joint);
+    ExpectRefused(ParseCalibration(CalibrationText(rigged, {}), "calibration.json"), {part});
+  };
+  const int mount = RigCovariance::MountRow(2, 1);
+  refused([](Eigen::MatrixXd& joint) { joint(3, 3) *= -1; }, "row 3 of the covariance has the variance -");
+  refused([=](Eigen::MatrixXd& joint) { joint.row(mount).setZero(), joint.col(mount).setZero(); },
+          fmt::format("rows {} to {}, a pose, only 5", mount, mount + 5));
+  refused(
+      [=](Eigen::MatrixXd& joint) {
+        joint(0, mount) = joint(mount, 0) = 2 * std::sqrt(joint(0, 0) * joint(mount, mount));
+      },
+      "not positive definite");
 }
 
 }  // namespace

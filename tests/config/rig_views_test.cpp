@@ -61,6 +61,9 @@ TEST(PlaceRecording, RefusesWhatTheRigDoesNotKnow) {
   recording = ObjectRecording();
   recording.stops[1].axes[0].axis = "z";
   refused(rigged, recording, {"stop '01'", "'table'"});
+  RigCalibration no_lens = rigged;
+  no_lens.cameras[0].fx_px = 0;
+  refused(no_lens, ObjectRecording(), {"camera 'left'", "focal length 0 x"});
   RigCalibration unplaced = rigged;
   unplaced.rig->model.cam_from_mount[1].reset();
   refused(unplaced, ObjectRecording(), {"camera 'right' has no place in the rig"});

@@ -102,6 +102,18 @@ TEST(LoosenMount, AddsAnIndependentErrorToOneMount) {
   EXPECT_NEAR(added.cwiseAbs().sum(), 3 * (0.01 + 0.04), 1e-9);
 }
 
+TEST(LoosenLens, MovesTheFocalLengthsTogether) {
+  RigPrior prior = ExamplePrior();
+  const Eigen::MatrixXd before = prior.covariance.joint;
+  LoosenLens(1, 0.01, 2, prior);
+  const Eigen::MatrixXd added = prior.covariance.joint - before;
+  const int row = RigCovariance::IntrinsicsRow(1);
+  EXPECT_NEAR(added(row + kFx, row + kFx), 15.2 * 15.2, 1e-9);
+  EXPECT_NEAR(added(row + kFx, row + kFy), 15.2 * 15.1, 1e-9);
+  EXPECT_NEAR(added(row + kCy, row + kCy), 4, 1e-9);
+  EXPECT_NEAR(added.cwiseAbs().sum(), std::pow(15.2 + 15.1, 2) + 8, 1e-6);
+}
+
 TEST(AxisOf, IsTheStagesZInTheFirstCameraThatHasAMount) {
   RigEstimate rig{.model = Turntable()};
   rig.model.cam_from_mount = {std::nullopt, SomePose(1)};
