@@ -13,8 +13,8 @@ using ::testing::HasSubstr;
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-/// An object on a turntable before three cameras whose rig is known from a chart, with its truth.
-struct TurntableScene {
+/// An object before a rig that is known from a chart, with its truth.
+struct RigScene {
   RigTerms rig;
   RigCalibration start, truth;
   RigState true_state;
@@ -65,9 +65,9 @@ RigPrior PriorOfRig(int num_cameras) {
 }
 
 /// Truth drawn from the priors; the start is the rig without error.
-TurntableScene MakeTurntable(const TurntableOptions& options) {
+RigScene MakeTurntable(const TurntableOptions& options) {
   Random random(options.random_seed);
-  TurntableScene scene;
+  RigScene scene;
   RigTerms& rig = scene.rig;
   rig.prior = PriorOfRig(options.num_cameras);
   scene.true_state.model = rig.prior.model;
@@ -110,8 +110,74 @@ TurntableScene MakeTurntable(const TurntableOptions& options) {
   return scene;
 }
 
+/// A camera on an arm over the object: hand and eye known from a chart, flange poses as an arm repeats them.
+RigScene MakeArm(std::uint64_t random_seed) {
+  Random random(random_seed);
+  RigScene scene;
+  RigTerms& rig = scene.rig;
+  const RigCalibration ideal = Hemisphere(14);
+  rig.prior.cameras = ideal.cameras;
+  rig.prior.model = Arm(PositionerLoad::kCameras);
+  rig.prior.model.cam_from_mount = {Rigid3d{ExpRotation({0.2, -0.1, 1.0}), {0.03, -0.05, 0.1}}};
+  rig.prior.model.positioner.anchor_from_world = {ExpRotation({0.1, 0.3, -0.2}), {0.4, -0.2, 0.3}};
+  rig.prior.covariance.joint = Eigen::MatrixXd::Zero(RigCovariance::Size(1), RigCovariance::Size(1));
+  rig.prior.covariance.joint.diagonal().head<4>().setConstant(1);
+  LoosenMount(0, 5e-4, 5e-4, rig.prior);
+  rig.prior.covariance.joint.diagonal().segment<3>(RigCovariance::AnchorRow(1)).setConstant(25e-8);
+  rig.prior.covariance.joint.diagonal().segment<3>(RigCovariance::AnchorRow(1) + 3).setConstant(25e-8);
+  const Eigen::VectorXd sigma = rig.prior.covariance.joint.diagonal().cwiseSqrt();
+  const auto drawn = [&](int row) {
+    Eigen::Matrix<double, 6, 1> delta;
+    for (int k = 0; k < 6; ++k) delta[k] = random.Normal() * sigma[row + k];
+    return delta;
+  };
+  RigModel& truth = scene.true_state.model = rig.prior.model;
+  truth.cam_from_mount[0] = Disturbed(*truth.cam_from_mount[0], drawn(RigCovariance::MountRow(1, 0)));
+  truth.positioner.anchor_from_world =
+      Disturbed(truth.positioner.anchor_from_world, drawn(RigCovariance::AnchorRow(1)));
+  for (int v = 0; v < ideal.NumViews(); ++v) {
+    const Rigid3d base_from_flange = rig.prior.model.positioner.anchor_from_world *
+                                     ideal.views[v].cam_from_world.Inverse() * *rig.prior.model.cam_from_mount[0];
+    rig.stops.push_back({std::to_string(v), {}, base_from_flange});
+    rig.stop_of_view.push_back(v);
+    StopError& error = scene.true_state.stop_errors.emplace_back(rig.prior.model.error_sigma);
+    for (double& component : error) component *= random.Normal();
+  }
+  rig.stop_error_sigma.assign(rig.stops.size(), rig.prior.model.error_sigma);
+  rig.start = {rig.prior.model, std::vector(rig.stops.size(), StopError(StopError::Zero()))};
+  scene.start = scene.truth = ideal;
+  PlaceViews(rig.start.model, rig.stops, rig.start.stop_errors, rig.stop_of_view, scene.start);
+  PlaceViews(truth, rig.stops, scene.true_state.stop_errors, rig.stop_of_view, scene.truth);
+  scene.surface = Surface(300, random);
+  scene.tracks = Observe(scene.truth, scene.surface, {.sigma_px = 0.3, .outlier_share = 0.02}, random);
+  return scene;
+}
+
+TEST(AdjustRig, AnArmsHandAndEyeAreFoundToTheirStatedSigma) {
+  double sum2 = 0;
+  int count = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const RigScene scene = MakeArm(seed);
+    const auto adjusted = scene.Run();
+    ASSERT_TRUE(adjusted) << adjusted.error().message;
+    EXPECT_LT(TruthErrorPx(scene.truth, adjusted->calibration, scene.surface), 0.1) << seed;
+    EXPECT_THAT(adjusted->rig->contradictions, ::testing::IsEmpty()) << seed;
+    const RigPrior truth{scene.truth.cameras, scene.true_state.model, {}};
+    const Eigen::VectorXd off = DepartureFrom(truth, adjusted->calibration.cameras, adjusted->rig->state.model);
+    const Eigen::VectorXd variance = adjusted->calibration.rig->covariance.joint.diagonal();
+    for (int row = RigCovariance::MountRow(1, 0); row < RigCovariance::AxesRow(1); ++row) {
+      ASSERT_GT(variance[row], 0) << row;
+      sum2 += off[row] * off[row] / variance[row], ++count;
+    }
+  }
+  const double deviation = std::sqrt(sum2 / count);
+  RecordProperty("deviation", std::to_string(deviation));
+  EXPECT_GT(deviation, 0.7);  // 72 numbers: 1 +- 0.09 when independent
+  EXPECT_LT(deviation, 1.35);
+}
+
 TEST(AdjustRig, IsNearerToTheTruthThanFreePosesAndThanTheStart) {
-  const TurntableScene scene = MakeTurntable({});
+  const RigScene scene = MakeTurntable({});
   const auto rig = scene.Run();
   ASSERT_TRUE(rig) << rig.error().message;
   AdjustOptions options;
@@ -131,7 +197,7 @@ TEST(AdjustRig, IsNearerToTheTruthThanFreePosesAndThanTheStart) {
 }
 
 TEST(AdjustRig, PosesFollowFromTheRig) {
-  const TurntableScene scene = MakeTurntable({});
+  const RigScene scene = MakeTurntable({});
   const auto adjusted = scene.Run();
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   RigCalibration placed = adjusted->calibration;
@@ -144,7 +210,7 @@ TEST(AdjustRig, PosesFollowFromTheRig) {
 }
 
 TEST(AdjustRig, AViewThatSeesNothingStillGetsItsPose) {
-  const TurntableScene scene = MakeTurntable({.blind_view = 10});  // camera 1, stop 2
+  const RigScene scene = MakeTurntable({.blind_view = 10});  // camera 1, stop 2
   const auto adjusted = scene.Run();
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   EXPECT_EQ(adjusted->report.num_features[10], 0);
@@ -156,7 +222,7 @@ TEST(AdjustRig, AViewThatSeesNothingStillGetsItsPose) {
 }
 
 TEST(AdjustRig, NamesTheCameraThatMoved) {
-  const TurntableScene scene = MakeTurntable({.bump_rad = 0.5 * kDegree});
+  const RigScene scene = MakeTurntable({.bump_rad = 0.5 * kDegree});
   const auto adjusted = scene.Run();
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   ASSERT_EQ(adjusted->rig->contradictions.size(), 1u);
@@ -165,7 +231,7 @@ TEST(AdjustRig, NamesTheCameraThatMoved) {
 }
 
 TEST(AdjustRig, NamesTheStopThatSlipped) {
-  const TurntableScene scene = MakeTurntable({.slip_rad = 1 * kDegree});
+  const RigScene scene = MakeTurntable({.slip_rad = 1 * kDegree});
   const auto adjusted = scene.Run();
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   ASSERT_EQ(adjusted->rig->contradictions.size(), 1u);
@@ -174,7 +240,7 @@ TEST(AdjustRig, NamesTheStopThatSlipped) {
 }
 
 TEST(AdjustRig, NamesBothFaultsAtOnce) {
-  const TurntableScene scene = MakeTurntable({.bump_rad = 0.5 * kDegree, .slip_rad = 1 * kDegree});
+  const RigScene scene = MakeTurntable({.bump_rad = 0.5 * kDegree, .slip_rad = 1 * kDegree});
   const auto adjusted = scene.Run();
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   EXPECT_THAT(adjusted->rig->contradictions,
@@ -183,7 +249,7 @@ TEST(AdjustRig, NamesBothFaultsAtOnce) {
 }
 
 TEST(AdjustRig, SaysThatAChangeOfFocusLooksLikeAMove) {
-  const TurntableScene scene = MakeTurntable({.focal_change = 0.01});
+  const RigScene scene = MakeTurntable({.focal_change = 0.01});
   const auto adjusted = scene.Run();
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   EXPECT_THAT(adjusted->rig->contradictions,
@@ -191,7 +257,7 @@ TEST(AdjustRig, SaysThatAChangeOfFocusLooksLikeAMove) {
 }
 
 TEST(AdjustRig, WithoutACameraInItsPlaceNothingTellsLengths) {
-  const TurntableScene scene = MakeTurntable({.num_cameras = 1, .bump_rad = 0.5 * kDegree, .bumped = 0});
+  const RigScene scene = MakeTurntable({.num_cameras = 1, .bump_rad = 0.5 * kDegree, .bumped = 0});
   const auto adjusted = scene.Run();
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   EXPECT_TRUE(adjusted->rig->scale_is_lost);
@@ -200,7 +266,7 @@ TEST(AdjustRig, WithoutACameraInItsPlaceNothingTellsLengths) {
 
 TEST(AdjustRig, StopsThatNothingShowsHaveNoSay) {
   // Half of the stops are in the recording for the chart's sake alone.
-  const TurntableScene scene = MakeTurntable({.slip_rad = 1 * kDegree, .used_stops = 6});
+  const RigScene scene = MakeTurntable({.slip_rad = 1 * kDegree, .used_stops = 6});
   const auto adjusted = scene.Run();
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   ASSERT_EQ(adjusted->rig->contradictions.size(), 1u);
@@ -208,7 +274,7 @@ TEST(AdjustRig, StopsThatNothingShowsHaveNoSay) {
 }
 
 TEST(AdjustRig, ALensThatIsHeldLeavesTheRigAsItWasKnown) {
-  const TurntableScene scene = MakeTurntable({});
+  const RigScene scene = MakeTurntable({});
   const auto adjusted = scene.Run({.intrinsics = IntrinsicsMode::kFixed});
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   EXPECT_EQ(adjusted->calibration.cameras[0].fx_px, scene.start.cameras[0].fx_px);
@@ -224,7 +290,7 @@ TEST(AdjustRig, StatesItsUncertaintyHonestly) {
     sum += error / sigma, sum2 += error * error / (sigma * sigma), ++count;
   };
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
-    const TurntableScene scene = MakeTurntable({.num_points = 150, .random_seed = seed});
+    const RigScene scene = MakeTurntable({.num_points = 150, .random_seed = seed});
     const auto adjusted = scene.Run();
     ASSERT_TRUE(adjusted) << adjusted.error().message;
     EXPECT_THAT(adjusted->rig->contradictions, ::testing::IsEmpty()) << seed;
