@@ -139,7 +139,9 @@ std::string MountSentence(const LetGo::Mount& mount, const Eigen::VectorXd& depa
   const int row = RigCovariance::MountRow(static_cast<int>(prior.cameras.size()), mount.camera);
   const Eigen::Vector3d turn_rad = departure.segment<3>(row), shift_m = departure.segment<3>(row + 3);
   constexpr double kMostlyAlong = 0.8;  // of the shift is along the line of sight
-  const bool like_focus = std::abs(shift_m.z()) > kMostlyAlong * shift_m.norm();
+  const double distance_m = prior.model.cam_from_mount[mount.camera]->translation.norm();
+  const bool like_focus =
+      std::abs(shift_m.z()) > kMostlyAlong * shift_m.norm() && shift_m.norm() > turn_rad.norm() * distance_m;
   return fmt::format("camera {} moved against the rig since it was calibrated, by {:.3f} deg and {:.3f} mm{}{}", ids,
                      Degrees(turn_rad.norm()), 1e3 * shift_m.norm(),
                      like_focus ? " (a change of focus would look much the same)" : "",
