@@ -28,18 +28,28 @@ constexpr double kSpotShare = 0.001;
 
 using Histogram = std::array<double, kBins>;
 
-/// Shares of the pixels; bin i holds values in [i, i + 1) / kBins.
-Histogram HistogramOf(const std::vector<cv::Mat1f>& pictures) {
-  Histogram histogram{};
-  double total = 0;
-  for (const cv::Mat1f& picture : pictures) {
-    for (const float value : picture) {
-      histogram[std::clamp(static_cast<int>(value * kBins), 0, kBins - 1)] += 1;
-    }
-    total += static_cast<double>(picture.total());
+/// Adds one for each pixel; bin i holds values in [i, i + 1) / kBins.
+void Count(const cv::Mat1f& picture, Histogram& counts) {
+  for (int y = 0; y < picture.rows; ++y) {
+    const float* const row = picture[y];
+    for (int x = 0; x < picture.cols; ++x) counts[std::clamp(static_cast<int>(row[x] * kBins), 0, kBins - 1)] += 1;
   }
-  for (double& share : histogram) share /= total;
-  return histogram;
+}
+
+/// Shares of the pixels of all pictures; nothing when it was stopped.
+std::optional<Histogram> HistogramOf(const std::vector<cv::Mat1f>& pictures, const Execution& execution) {
+  std::vector<Histogram> counts(pictures.size(), Histogram{});
+  const bool finished =
+      ParallelFor(execution, static_cast<int>(pictures.size()), [&](int i) { Count(pictures[i], counts[i]); });
+  if (!finished) return std::nullopt;
+  Histogram shares{};
+  double total = 0;
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    for (int bin = 0; bin < kBins; ++bin) shares[bin] += counts[i][bin];  // whole numbers: exact in any order
+    total += static_cast<double>(pictures[i].total());
+  }
+  for (double& share : shares) share /= total;
+  return shares;
 }
 
 struct TwoClasses {
@@ -102,7 +112,9 @@ DarkMask MaskOf(const cv::Mat1f& picture, double threshold) {
 
 std::vector<cv::Mat1b> MasksOnDark(const std::vector<cv::Mat1f>& pictures, const Execution& execution) {
   if (pictures.empty()) return {};
-  const auto threshold = Threshold(HistogramOf(pictures));
+  const std::optional<Histogram> histogram = HistogramOf(pictures, execution);
+  if (!histogram) return {};
+  const auto threshold = Threshold(*histogram);
   if (!threshold) return {};
   std::vector<DarkMask> found(pictures.size());
   const bool finished = ParallelFor(execution, static_cast<int>(pictures.size()),

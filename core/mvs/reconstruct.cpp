@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 
 #include "core/mvs/local_surface.h"
 #include "core/mvs/stereo_scene.h"
@@ -25,7 +26,9 @@ Patch Published(const stereo::SurfacePatch& patch) {
 Result<std::vector<Patch>> Reconstruct(const ImageSet& images, const RigCalibration& calibration,
                                        const StereoOptions& options, const Execution& execution) {
   if (images.NumViews() < options.min_views) return std::vector<Patch>{};
-  const stereo::StereoScene scene = stereo::MakeStereoScene(images, calibration, options);
+  const std::optional<stereo::StereoScene> made = stereo::MakeStereoScene(images, calibration, options, execution);
+  if (!made) return Cancelled("the stereo");
+  const stereo::StereoScene& scene = *made;
   stereo::Surface surface{{}, stereo::CellGrid(scene)};
   if (!stereo::SeedSurface(scene, execution, surface)) return Cancelled("the stereo");
   execution.Report(1.0 / (kTurns + 1));

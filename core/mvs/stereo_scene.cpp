@@ -83,7 +83,8 @@ bool StereoScene::CanHoldWindow(int view, const Eigen::Vector2d& x_px) const {
   return views[view].full_size->IsObject(x_px * std::ldexp(1.0, options.level));
 }
 
-StereoScene MakeStereoScene(const ImageSet& images, const RigCalibration& calibration, const StereoOptions& options) {
+std::optional<StereoScene> MakeStereoScene(const ImageSet& images, const RigCalibration& calibration,
+                                           const StereoOptions& options, const Execution& execution) {
   Ensure(images.NumViews() == calibration.NumViews(), "images and calibration have different views");
   Ensure(options.level >= 0 && options.level < images.NumLevels(), "the pyramids do not reach the level of the stereo");
   Ensure(options.window_px >= 3 && options.window_px <= kMaxStereoWindowPx && options.window_px % 2 == 1,
@@ -93,12 +94,14 @@ StereoScene MakeStereoScene(const ImageSet& images, const RigCalibration& calibr
          "expected_error_px has one entry per view or none");
   StereoScene scene;
   scene.options = options;
-  for (int i = 0; i < images.NumViews(); ++i) {
-    scene.views.push_back(MakeView(images.views[i], calibration.CameraOf(i), calibration.views[i].cam_from_world,
-                                   options, static_cast<std::size_t>(i)));
-    scene.free_offsets = scene.free_offsets || scene.views.back().error_px >= kFreeOffsetsFromErrorPx;
-  }
+  scene.views.resize(images.views.size());
+  const bool finished = ParallelFor(execution, images.NumViews(), [&](int i) {
+    scene.views[i] = MakeView(images.views[i], calibration.CameraOf(i), calibration.views[i].cam_from_world, options,
+                              static_cast<std::size_t>(i));
+  });
+  if (!finished) return std::nullopt;
   for (const StereoView& r : scene.views) {
+    scene.free_offsets = scene.free_offsets || r.error_px >= kFreeOffsetsFromErrorPx;
     for (const StereoView& j : scene.views) {
       scene.pairs.push_back(
           {j.px_from_world.leftCols<3>() * r.direction_from_px, j.px_from_world * r.centre_in_world.homogeneous()});

@@ -57,6 +57,8 @@ struct StereoScene {
   [[nodiscard]] bool CanHoldWindow(int view, const Eigen::Vector2d& x_px) const;
 };
 
-StereoScene MakeStereoScene(const ImageSet& images, const RigCalibration& calibration, const StereoOptions& options);
+/// Nothing when it was stopped.
+std::optional<StereoScene> MakeStereoScene(const ImageSet& images, const RigCalibration& calibration,
+                                           const StereoOptions& options, const Execution& execution);
 
 }  // namespace rigcal::stereo

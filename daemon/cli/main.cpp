@@ -5,6 +5,7 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <opencv2/core/utility.hpp>
 #include <thread>
 
 #include "daemon/cli/command.h"
@@ -38,6 +39,7 @@ class StopOnSignal {
 
 int Main(int argc, char** argv) {
   const StopOnSignal signals;
+  cv::setNumThreads(1);  // --threads counts ours, which run over pictures; OpenCV's own would come on top of them
   CommandSession session;
   session.stop = signals.Token();
   session.on_terminal = isatty(STDERR_FILENO) != 0;

@@ -4,7 +4,10 @@ with one thread and two, stop within a second, and name the view when one of the
 import argparse
 import hashlib
 import json
+import os
 import pathlib
+import pty
+import select
 import shutil
 import signal
 import subprocess
@@ -17,7 +20,8 @@ import numpy
 
 MAX_TRUTH_ERROR_PX = 0.15  # seen: 0.03 to 0.08 px at this size
 STOP_WITHIN_S = 1.0        # what a person at the terminal expects
-MAX_BUMP_LEFT_DEG = 0.01   # of 0.49 degrees
+HANGS_AFTER_S = 60
+MAX_BUMP_LEFT_PX = 0.06    # at the object, of 9.6 px; seen with five views and turns: 0.010 to 0.040, sigma 0.014 stated
 
 
 class Bench:
@@ -64,14 +68,28 @@ def threads_do_not_matter(bench):
     bench.check("threads", len(two) == 4 and not differing, f"{len(two)} files, differing: {differing or 'none'}")
 
 
+def wait_for(terminal, word):
+    """Reads what a program shows on its terminal until it shows `word`."""
+    shown, begin = b"", time.monotonic()
+    while word not in shown:
+        if time.monotonic() - begin > HANGS_AFTER_S:
+            raise RuntimeError(f"no '{word.decode()}' on the terminal after {HANGS_AFTER_S} s: {shown[-200:]}")
+        if select.select([terminal], [], [], 1.0)[0]:
+            shown += os.read(terminal, 4096)
+
+
 def it_stops(bench):
+    """Ctrl-C in the middle of the first stereo. On a terminal, where the progress line tells when that is."""
     out = bench.root / "stopped"
-    process = subprocess.Popen(bench.command(bench.root / "set", out), stderr=subprocess.PIPE, stdout=subprocess.PIPE)
-    time.sleep(2.0)
+    terminal, programs_end = pty.openpty()
+    process = subprocess.Popen(bench.command(bench.root / "set", out), stderr=programs_end, stdout=subprocess.DEVNULL)
+    wait_for(terminal, b"stereo")
     begin = time.monotonic()
     process.send_signal(signal.SIGINT)
-    process.wait(timeout=30)
+    process.wait(timeout=HANGS_AFTER_S)
     seconds = time.monotonic() - begin
+    os.close(programs_end)
+    os.close(terminal)
     left = [p.name for p in out.iterdir()]
     bench.check("stop", seconds < STOP_WITHIN_S and process.returncode != 0 and not left,
                 f"{seconds:.2f} s after the signal, status {process.returncode}, left behind {left}")
@@ -110,6 +128,13 @@ def read_cameras(path):
     return {words[0]: numpy.array([float(word) for word in words[1:]]) for words in lines}
 
 
+def projected(camera, points_in_world):
+    """Pixels of points; `camera` is a line of a par file: K, R and t, row by row."""
+    x_in_cam = numpy.asarray(points_in_world) @ camera[9:18].reshape(3, 3).T + camera[18:21]
+    x_px = x_in_cam @ camera[:9].reshape(3, 3).T
+    return x_px[:, :2] / x_px[:, 2:]
+
+
 def one_bumped_camera(bench):
     """One camera has been knocked by 0.5 degrees; the others are right and stay exactly as they are. Er is not told."""
     truth, bumped = read_cameras(bench.root / "set/truth_par.txt"), "cam0_stop05.png"
@@ -125,11 +150,12 @@ def one_bumped_camera(bench):
                            "--fix-cameras", ",".join(others), "--json"], capture_output=True, text=True)
     report, refined = json.loads(done.stdout), read_cameras(out / "cameras_par.txt")
     kept = all(numpy.allclose(refined[name], truth[name], rtol=1e-12, atol=1e-12) for name in others)
-    off_rad = numpy.linalg.norm(cv2.Rodrigues(refined[bumped][9:18].reshape(3, 3) @ truth[bumped][9:18].reshape(3, 3).T)[0])
+    points = [[float(word) for word in line.split()[:3]] for line in (bench.root / "set/points.txt").read_text().splitlines()]
+    off_px = numpy.linalg.norm(projected(refined[bumped], points) - projected(truth[bumped], points), axis=1).mean()
     moved = {view["name"]: view["moved_px"] for view in report["views"]}
-    bench.check("bumped", done.returncode == 0 and kept and numpy.degrees(off_rad) < MAX_BUMP_LEFT_DEG,
+    bench.check("bumped", done.returncode == 0 and kept and off_px < MAX_BUMP_LEFT_PX,
                 f"status {done.returncode}, {report['verdict']}, Er {report['expected_error_px']:.1f} px, {bumped} moved "
-                f"{moved[bumped]:.1f} px and is off by {numpy.degrees(off_rad):.4f} degrees, others as they were: {kept}")
+                f"{moved[bumped]:.1f} px and is off by {off_px:.3f} px (limit {MAX_BUMP_LEFT_PX}), others as they were: {kept}")
 
 
 def prior_in_another_order(bench):

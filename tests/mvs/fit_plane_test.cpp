@@ -51,7 +51,7 @@ Outcome FitFrom(const StereoScene& scene, double height, int u_px = kMiddlePx, i
 }
 
 TEST(FitPlane, ExactCamerasLeadBackToTheTruth) {
-  const StereoScene scene = MakeStereoScene(PlaneScene().images, PlaneScene().truth, {.level = 0});
+  const StereoScene scene = *MakeStereoScene(PlaneScene().images, PlaneScene().truth, {.level = 0}, {});
   ASSERT_FALSE(scene.free_offsets);
   for (const double height : {-3.0, 3.0}) {  // 1.3 pixels in the views
     for (const int u_px : {kMiddlePx - 12, kMiddlePx, kMiddlePx + 10}) {
@@ -66,7 +66,7 @@ TEST(FitPlane, ExactCamerasLeadBackToTheTruth) {
 }
 
 TEST(FitPlane, KeepsToTheViewsThatShowTheWindow) {
-  const StereoScene scene = MakeStereoScene(PlaneScene().images, PlaneScene().truth, {.level = 0});
+  const StereoScene scene = *MakeStereoScene(PlaneScene().images, PlaneScene().truth, {.level = 0}, {});
   Outcome outcome = FitFrom(scene, 2);
   // An offset beyond the image's edge: that view says nothing, the others decide.
   PlaneFit fit = outcome.fit;
@@ -85,7 +85,7 @@ TEST(FitPlane, FreeOffsetsFindTheTextureInWrongCameras) {
   const std::vector<Eigen::Vector2d> shift_px = {{0, 0}, {1.2, 0.4}, {-0.8, 1}, {0.3, -1.4}, {-1.1, -0.6}, {0.5, 1.3}};
   const RigCalibration wrong = test::WithShiftedViews(PlaneScene().truth, shift_px);
   const StereoOptions options{.level = 0, .expected_error_px = std::vector<double>(kNumViews, 1.2)};
-  const StereoScene scene = MakeStereoScene(PlaneScene().images, wrong, options);
+  const StereoScene scene = *MakeStereoScene(PlaneScene().images, wrong, options, {});
   ASSERT_TRUE(scene.free_offsets);
   const Outcome outcome = FitFrom(scene, 0);
   ASSERT_TRUE(outcome.fitted);
@@ -104,7 +104,7 @@ TEST(FitPlane, FreeOffsetsFindTheTextureInWrongCameras) {
 /// The least squares prior pulls offsets to zero as far as the textures leave it open: exact cameras stay exact.
 TEST(FitPlane, FreeOffsetsStayAtZeroInExactCameras) {
   const StereoOptions options{.level = 0, .expected_error_px = std::vector<double>(kNumViews, 1.2)};
-  const StereoScene scene = MakeStereoScene(PlaneScene().images, PlaneScene().truth, options);
+  const StereoScene scene = *MakeStereoScene(PlaneScene().images, PlaneScene().truth, options, {});
   const Outcome outcome = FitFrom(scene, 1);
   ASSERT_TRUE(outcome.fitted);
   for (const Sighting& s : outcome.fit.others) EXPECT_LT(s.offset_px.norm(), 0.05) << "view " << s.view;
@@ -119,7 +119,7 @@ TEST(FitPlane, SigmaIsWhatNoiseDoes) {
   double sum_z = 0, sum_z2 = 0, sum_error2_px = 0;
   for (int draw = 0; draw < kDraws; ++draw) {
     const ImageSet noisy = test::WithNoise(PlaneScene().images, kNoise, static_cast<std::uint64_t>(draw) + 1);
-    const StereoScene scene = MakeStereoScene(noisy, PlaneScene().truth, {.level = 0});
+    const StereoScene scene = *MakeStereoScene(noisy, PlaneScene().truth, {.level = 0}, {});
     const Outcome outcome = FitFrom(scene, 1);
     ASSERT_TRUE(outcome.fitted);
     const double error_px = outcome.height * outcome.px_per_height, z = error_px / outcome.fit.sigma_px;

@@ -67,7 +67,7 @@ struct Problem {
 Problem MakeProblem() {
   const test::SurfaceScene rendered = test::RenderSurface(test::PlaneAtHeight(0), test::SolidTexture(8, 30, 0.1, 1),
                                                           test::ViewsAboutZ(4, 25 * kDegree), {kSidePx, kSidePx}, 1);
-  Problem problem{.scene = MakeStereoScene(rendered.images, rendered.truth, {.level = 0}),
+  Problem problem{.scene = *MakeStereoScene(rendered.images, rendered.truth, {.level = 0}, {}),
                   .gray = {},
                   .plane = {},
                   .reference = {}};

@@ -26,7 +26,7 @@ const test::SurfaceScene& PlaneScene() {
 }
 
 StereoScene SceneAtLevel(int level) {
-  return MakeStereoScene(PlaneScene().images, PlaneScene().truth, {.level = level});
+  return *MakeStereoScene(PlaneScene().images, PlaneScene().truth, {.level = level}, {});
 }
 
 /// The true plane at a pixel of a view.
@@ -190,7 +190,7 @@ TEST(ReferenceTexture, DoesNotCountPixelsOffTheObject) {
   }
   images.views[0].gray = BuildPyramid(picture, kNumLevels);
   const auto ncc = [&](const ImageSet& set, float* weight_off_object) {
-    const StereoScene scene = MakeStereoScene(set, PlaneScene().truth, {.level = 0});
+    const StereoScene scene = *MakeStereoScene(set, PlaneScene().truth, {.level = 0}, {});
     const WindowPlane plane = TruePlane(scene, 0, 48, 48);
     const WindowTexture texture = *ReferenceTexture(scene, plane);
     *weight_off_object = 0;
