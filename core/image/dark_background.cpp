@@ -28,24 +28,28 @@ constexpr double kSpotShare = 0.001;
 
 using Histogram = std::array<double, kBins>;
 
-/// Adds one for each pixel; bin i holds values in [i, i + 1) / kBins.
-void Count(const cv::Mat1f& picture, Histogram& counts) {
+/// Pixels of each bin; bin i holds values in [i, i + 1) / kBins. Neighbours are counted apart: they mostly fall into
+/// the same bin, and would wait for each other there.
+std::array<int, kBins> CountOf(const cv::Mat1f& picture) {
+  std::array<std::array<int, kBins>, 4> counts{};
   for (int y = 0; y < picture.rows; ++y) {
     const float* const row = picture[y];
-    for (int x = 0; x < picture.cols; ++x) counts[std::clamp(static_cast<int>(row[x] * kBins), 0, kBins - 1)] += 1;
+    for (int x = 0; x < picture.cols; ++x) ++counts[x % 4][std::clamp(static_cast<int>(row[x] * kBins), 0, kBins - 1)];
   }
+  for (int bin = 0; bin < kBins; ++bin) counts[0][bin] += counts[1][bin] + counts[2][bin] + counts[3][bin];
+  return counts[0];
 }
 
 /// Shares of the pixels of all pictures; nothing when it was stopped.
 std::optional<Histogram> HistogramOf(const std::vector<cv::Mat1f>& pictures, const Execution& execution) {
-  std::vector<Histogram> counts(pictures.size(), Histogram{});
+  std::vector<std::array<int, kBins>> counts(pictures.size());
   const bool finished =
-      ParallelFor(execution, static_cast<int>(pictures.size()), [&](int i) { Count(pictures[i], counts[i]); });
+      ParallelFor(execution, static_cast<int>(pictures.size()), [&](int i) { counts[i] = CountOf(pictures[i]); });
   if (!finished) return std::nullopt;
   Histogram shares{};
   double total = 0;
   for (std::size_t i = 0; i < pictures.size(); ++i) {
-    for (int bin = 0; bin < kBins; ++bin) shares[bin] += counts[i][bin];  // whole numbers: exact in any order
+    for (int bin = 0; bin < kBins; ++bin) shares[bin] += counts[i][bin];
     total += static_cast<double>(pictures[i].total());
   }
   for (double& share : shares) share /= total;

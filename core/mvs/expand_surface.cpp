@@ -9,7 +9,7 @@ namespace rigcal::stereo {
 namespace {
 
 /// A cell is tried from at most this many neighbours.
-constexpr int kMaxAttemptsPerCell = 2;
+constexpr int kMaxAttemptsPerCell = 3;
 /// Only views that see the patch less obliquely than this (cosine, 55 degrees) grow it: their cells are small enough on
 /// the surface, and the others' cells fill by themselves.
 constexpr double kMinCosineToGrow = 0.57;

@@ -29,6 +29,12 @@ class StopOnSignal {
       }
     });
   }
+  ~StopOnSignal() {
+    waiter_.request_stop();
+    pthread_kill(waiter_.native_handle(), SIGTERM);  // it ends at once, not at its next poll
+  }
+  StopOnSignal(const StopOnSignal&) = delete;
+  StopOnSignal& operator=(const StopOnSignal&) = delete;
   [[nodiscard]] std::stop_token Token() const { return stop_.get_token(); }
 
  private:
