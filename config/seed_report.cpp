@@ -71,6 +71,14 @@ Json BoardJson(const SeedResult& seed) {
             {"stretch", NumberJson(sigma.stretch)}}}};
 }
 
+Json AxisOnBoardJson(const AxisOnBoard& axis) {
+  const Eigen::Vector3d& d = axis.direction_in_board;
+  return {{"direction_in_board", {d.x(), d.y(), d.z()}},
+          {"direction_sigma_deg", NumberJson(axis.direction_sigma_rad * kDegPerRad)},
+          {"point_in_board_m", {axis.point_in_board.x(), axis.point_in_board.y()}},
+          {"point_sigma_m", NumberJson(axis.point_sigma_m)}};
+}
+
 std::vector<std::string> CameraIds(const SeedScene& scene) {
   std::vector<std::string> ids;
   for (const SeedCamera& camera : scene.cameras) ids.push_back(camera.id);
@@ -91,6 +99,7 @@ std::string SeedReportText(const SeedScene& scene, const std::vector<ChartDetect
                {"advice", seed.report.advice},
                {"contradictions", seed.report.contradictions}};
   if (seed.rig) json["rig"] = RigFitJson(*seed.rig, CameraIds(scene));
+  if (seed.axis_on_board) json["rig"]["axis_on_board"] = AxisOnBoardJson(*seed.axis_on_board);
   return JsonText(json);
 }
 
@@ -108,6 +117,12 @@ std::string SeedSummaryText(const SeedScene& scene, const SeedResult& seed) {
         sigma[kCy], report.num_views, report.num_corners, report.rms_px);
   }
   if (seed.rig && seed.rig->axis) text += AxisText(*seed.rig->axis, CameraIds(scene));
+  if (const auto& axis = seed.axis_on_board) {
+    text +=
+        fmt::format("axis on the board: through ({:.3f}, {:.3f}) +- {:.4f} mm, its direction known to {:.4f} degrees\n",
+                    1e3 * axis->point_in_board.x(), 1e3 * axis->point_in_board.y(), 1e3 * axis->point_sigma_m,
+                    axis->direction_sigma_rad * kDegPerRad);
+  }
   for (const std::string& sentence : seed.report.contradictions) text += sentence + "\n";
   for (const std::string& sentence : seed.report.advice) text += sentence + "\n";
   return text;

@@ -56,6 +56,13 @@ struct HandHeldPose {
   Eigen::Matrix<double, 6, 6> covariance;  ///< of Disturbed()
 };
 
+/// The turntable's axis as the board on it has it, free of the errors of any lens. Sigmas: one component.
+struct AxisOnBoard {
+  Eigen::Vector3d direction_in_board = Eigen::Vector3d::UnitZ();
+  Eigen::Vector2d point_in_board = Eigen::Vector2d::Zero();  ///< where it goes through the plane of the print, metres
+  double direction_sigma_rad = 0, point_sigma_m = 0;
+};
+
 /// How well a camera's picture and its lens are determined.
 struct SeedCameraReport {
   int num_views = 0, num_corners = 0, num_outliers = 0;
@@ -86,8 +93,9 @@ struct SeedResult {
   std::vector<HandHeldPose> hand_held;
   BoardShape board_shape;
   BoardShape board_shape_sigma;
-  std::optional<RigFit> rig;  ///< together with calibration.rig
-  Rigid3d world_from_board;   ///< with a rig
+  std::optional<RigFit> rig;                 ///< together with calibration.rig
+  Rigid3d world_from_board;                  ///< with a rig
+  std::optional<AxisOnBoard> axis_on_board;  ///< of a turntable that was found
   SeedReport report;
 };
 

@@ -5,6 +5,7 @@
 
 #include "core/rig/rig_axis.h"
 #include "core/rig/rig_model_pose.h"
+#include "core/seed/axis_on_board.h"
 
 namespace rigcal {
 namespace {
@@ -129,6 +130,10 @@ void WriteSolution(const SeedScene& scene, const ChartTerms& terms, const ChartS
   result.calibration.rig = RigOf(state, columns, covariance);
   result.rig = FitOf(terms, state, columns, covariance, *result.calibration.rig);
   result.world_from_board = WorldFromBoard(state.place, terms.board.thickness_m);
+  if (result.rig->axis && columns.place >= 0) {
+    const Eigen::Matrix4d of_place = covariance.block<kBoardPlaceSize, kBoardPlaceSize>(columns.place, columns.place);
+    result.axis_on_board = AxisOnBoardOf(state.place, terms.board.thickness_m, of_place);
+  }
 }
 
 }  // namespace rigcal

@@ -53,6 +53,7 @@ TEST(SeedReportText, TellsTheAxisAndTheErrorsOfEachStop) {
   SeedResult seed = ExampleSeed();
   seed.rig = RigFit{.positioner = Turntable().positioner, .stop_ids = {"00", "01"}};
   seed.rig->axis = AxisEstimate{.camera = 0, .direction_sigma_rad = 1e-4, .point_sigma_m = 2e-5};
+  seed.axis_on_board = AxisOnBoard{.point_in_board = {0.04, -0.03}, .direction_sigma_rad = 1e-4, .point_sigma_m = 3e-6};
   seed.rig->stop_errors.assign(2, StopError::Zero());
   seed.rig->stop_error_sigma.assign(2, StopError::Constant(1e-4));
   seed.rig->stop_errors[1][kStep] = 0.01;
@@ -62,7 +63,9 @@ TEST(SeedReportText, TellsTheAxisAndTheErrorsOfEachStop) {
   const auto step = json.at("rig").at("stops").at(1).at("errors").at(kStep);
   EXPECT_EQ(step.at("name"), "step error");
   EXPECT_NEAR(step.at("value").get<double>(), 0.572958, 1e-6);  // degrees
+  EXPECT_NEAR(json.at("rig").at("axis_on_board").at("direction_sigma_deg").get<double>(), 0.0057296, 1e-6);
   EXPECT_THAT(SeedSummaryText(scene, seed), ::testing::HasSubstr("axis in camera left"));
+  EXPECT_THAT(SeedSummaryText(scene, seed), ::testing::HasSubstr("through (40.000, -30.000) +- 0.0030 mm"));
 }
 
 TEST(SeedSummaryText, SaysWhatToShowNext) {

@@ -31,6 +31,10 @@ TEST(SeedCameras, RecoversTheTurntableStudio) {
   // In the camera's frame the axis is as uncertain as principal point and focal length make it.
   EXPECT_LT(axis.direction_rad, 4 * result->rig->axis->direction_sigma_rad);
   EXPECT_LT(axis.point_m, 4 * result->rig->axis->point_sigma_m);
+  EXPECT_LT(axis.turned_on_board_rad, 0.01 * kDegree);  // issue 3
+  EXPECT_LT(axis.point_on_board_m, 2e-5);               // issue 3
+  EXPECT_LT(axis.point_on_board_m, 4 * result->axis_on_board->point_sigma_m);
+  EXPECT_LT(axis.direction_on_board_rad, 4 * result->axis_on_board->direction_sigma_rad);
   EXPECT_LT(result->rig->axis->direction_sigma_rad, 0.02 * kDegree);
   EXPECT_LT(result->rig->axis->point_sigma_m, 2e-4);
   EXPECT_NEAR(result->board_shape.bow_x_m, 2e-4, 2e-5);

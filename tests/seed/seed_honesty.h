@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/seed/axis_on_board.h"
 #include "tests/seed/synthetic_studio.h"
 
 namespace rigcal::synthetic {
@@ -72,17 +73,39 @@ inline Moments MomentsOf(const std::vector<double>& values) {
   return {sum / n, std::sqrt(sum2 / n - sum / n * sum / n)};
 }
 
-/// How far the axis of the first camera is from the truth.
+/// How far the axis is from the truth: in the first camera, where it shares the errors of that camera's lens, and on
+/// the board, where it goes through the plane of the print. The wobble of the stops does not average to zero, and
+/// nothing tells its mean from the axis: `turned` is against the axis about which the table really turned at these
+/// stops.
 struct AxisError {
   double direction_rad = 0, point_m = 0;
+  double direction_on_board_rad = 0, turned_on_board_rad = 0, point_on_board_m = 0;
 };
+inline double AngleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+/// The stage's vertical as the table has it, mean over the stops.
+inline Eigen::Vector3d TurnedAxisInWorld(const Studio& studio) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (std::size_t s = 0; s < studio.truth.stop_errors.size(); ++s) {
+    const StopMotion motion = MotionAt(studio.truth.rig.positioner, studio.scene.stops[s], studio.truth.stop_errors[s]);
+    sum += motion.stage_from_world.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+  }
+  return sum.normalized();
+}
 inline AxisError AxisErrorOf(const Studio& studio, const SeedResult& result) {
   const AxisEstimate& axis = *result.rig->axis;
   const Rigid3d& truth = *studio.truth.rig.cam_from_mount[axis.camera];
   const Eigen::Vector3d direction = truth.rotation * Eigen::Vector3d::UnitZ();
   const Eigen::Vector3d off = axis.point_in_cam - truth.translation;
-  return {std::acos(std::min(1.0, direction.dot(axis.direction_in_cam))),
-          (off - off.dot(direction) * direction).norm()};
+  const AxisOnBoard on_board =
+      AxisOnBoardOf(studio.truth.place, studio.scene.board.thickness_m, Eigen::Matrix4d::Zero());
+  const Rigid3d world_from_board = WorldFromBoard(studio.truth.place, studio.scene.board.thickness_m);
+  const Eigen::Vector3d& found_on_board = result.axis_on_board->direction_in_board;
+  return {AngleBetween(direction, axis.direction_in_cam), (off - off.dot(direction) * direction).norm(),
+          AngleBetween(on_board.direction_in_board, found_on_board),
+          AngleBetween(world_from_board.rotation.conjugate() * TurnedAxisInWorld(studio), found_on_board),
+          (on_board.point_in_board - result.axis_on_board->point_in_board).norm()};
 }
 
 }  // namespace rigcal::synthetic

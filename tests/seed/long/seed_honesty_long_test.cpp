@@ -26,6 +26,7 @@ TEST(SeedOf100Truths, StatesItsUncertaintyHonestly) {
   options.draw_shape = true;
   Normalised normalised;
   std::vector<double> direction_deg, point_mm, direction_sigma_deg, point_sigma_mm, focal_percent;
+  std::vector<double> turned_on_board_deg, direction_on_board_deg, point_on_board_mm;
   for (int run = 0; run < kRuns; ++run) {
     const Studio studio = TurntableStudio(DeriveSeed(3, static_cast<std::uint64_t>(run)), options);
     const Result<SeedResult> result = SeedCameras(studio.scene, {}, {});
@@ -34,6 +35,9 @@ TEST(SeedOf100Truths, StatesItsUncertaintyHonestly) {
     const AxisError axis = AxisErrorOf(studio, *result);
     direction_deg.push_back(axis.direction_rad / kDegree);
     point_mm.push_back(1e3 * axis.point_m);
+    turned_on_board_deg.push_back(axis.turned_on_board_rad / kDegree);
+    direction_on_board_deg.push_back(axis.direction_on_board_rad / kDegree);
+    point_on_board_mm.push_back(1e3 * axis.point_on_board_m);
     direction_sigma_deg.push_back(result->rig->axis->direction_sigma_rad / kDegree);
     point_sigma_mm.push_back(1e3 * result->rig->axis->point_sigma_m);
     for (std::size_t c = 0; c < studio.truth.cameras.size(); ++c) {
@@ -56,6 +60,9 @@ TEST(SeedOf100Truths, StatesItsUncertaintyHonestly) {
   EXPECT_LT(record("focal_percent", focal_percent), 0.05);
   record("axis_direction_deg", direction_deg);
   record("axis_point_mm", point_mm);
+  record("axis_direction_on_board_deg", direction_on_board_deg);
+  EXPECT_LT(record("axis_turned_on_board_deg", turned_on_board_deg), 0.01);
+  EXPECT_LT(record("axis_point_on_board_mm", point_on_board_mm), 0.02);
   record("axis_direction_sigma_deg", direction_sigma_deg);
   record("axis_point_sigma_mm", point_sigma_mm);
 }
