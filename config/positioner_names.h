@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -26,6 +27,16 @@ std::string_view WordOf(const std::array<std::pair<std::string_view, Value>, kCo
     if (known == value) return word;
   }
   return "";
+}
+
+/// The value of a word of one of these lists; nothing for another word.
+template <typename Value, std::size_t kCount>
+std::optional<Value> FromWord(const std::array<std::pair<std::string_view, Value>, kCount>& words,
+                              std::string_view given) {
+  for (const auto& [word, value] : words) {
+    if (word == given) return value;
+  }
+  return std::nullopt;
 }
 
 }  // namespace rigcal

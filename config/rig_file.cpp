@@ -2,82 +2,33 @@
 
 #include <algorithm>
 #include <array>
-#include <numbers>
-#include <optional>
+#include <map>
 
 #include "config/positioner_names.h"
-#include "config/toml_content.h"
+#include "config/read_file.h"
+#include "config/rig_hardware.h"
+#include "config/rig_stops.h"
 #include "core/base/joined.h"
 
 namespace rigcal {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180;
-constexpr double kMaxSigmaDeg = 10, kMaxSigmaM = 0.1;  // beyond, a position says nothing
-constexpr double kMaxScaleSigma = 0.1;
-
-/// The expected size of some components of a StopError: the only place where these keys and their ranges stand.
+/// Which components of a StopError a key of [positioner] gives the size of.
 struct SigmaKey {
   std::string_view name;
   PositionerKind kind;
   int first, count;
-  double to_si;
-  NumberRange range;
 };
-constexpr NumberRange kDegrees{0, kMaxSigmaDeg, false, "degrees"}, kMetres{0, kMaxSigmaM, false, "metres"};
 constexpr std::array<SigmaKey, 7> kSigmas = {{
-    {"step_sigma_deg", PositionerKind::kTurntable, kStep, 1, kRadPerDeg, kDegrees},
-    {"wobble_sigma_deg", PositionerKind::kTurntable, kWobbleX, 2, kRadPerDeg, kDegrees},
-    {"run_out_sigma_m", PositionerKind::kTurntable, kRunOutX, 2, 1, kMetres},
-    {"lift_sigma_m", PositionerKind::kTurntable, kLift, 1, 1, kMetres},
-    {"position_sigma_m", PositionerKind::kGantry, 3, 3, 1, kMetres},
-    {"position_sigma_m", PositionerKind::kArm, 3, 3, 1, kMetres},
-    {"rotation_sigma_deg", PositionerKind::kArm, 0, 3, kRadPerDeg, kDegrees},
+    {"step_sigma_deg", PositionerKind::kTurntable, kStep, 1},
+    {"wobble_sigma_deg", PositionerKind::kTurntable, kWobbleX, 2},
+    {"run_out_sigma_m", PositionerKind::kTurntable, kRunOutX, 2},
+    {"lift_sigma_m", PositionerKind::kTurntable, kLift, 1},
+    {"position_sigma_m", PositionerKind::kGantry, 3, 3},
+    {"position_sigma_m", PositionerKind::kArm, 3, 3},
+    {"rotation_sigma_deg", PositionerKind::kArm, 0, 3},
 }};
-constexpr std::string_view kAxisScale = "axis_scale_sigma";
-
-/// One of a few words; `fallback` when the key is not there.
-template <typename Value, std::size_t kCount>
-Result<Value> WordFrom(const toml::table& table, std::string_view key, const std::string& file,
-                       const std::array<std::pair<std::string_view, Value>, kCount>& words,
-                       std::optional<Value> fallback) {
-  std::vector<std::string> quoted;
-  for (const auto& [word, value] : words) quoted.push_back(fmt::format("\"{}\"", word));
-  const std::string known = Joined(quoted, ", ");
-  const toml::node* node = table.get(key);
-  if (node == nullptr && fallback) return *fallback;
-  if (node == nullptr) return Fail(ErrorCode::kBadInput, "{}: positioner.{} is missing, one of {}", file, key, known);
-  for (const auto& [word, value] : words) {
-    if (node->is_string() && node->ref<std::string>() == word) return value;
-  }
-  return Fail(ErrorCode::kBadInput, "{} must be one of {}", KeyPlace(file, *node, key), known);
-}
-
-Result<std::vector<std::string>> AxesFrom(const toml::table& table, const std::string& file, PositionerKind kind) {
-  const toml::node* node = table.get("axes");
-  if (kind == PositionerKind::kArm) {
-    if (node != nullptr) return Fail(ErrorCode::kBadInput, "{}: an arm has none", KeyPlace(file, *node, "axes"));
-    return std::vector<std::string>{};
-  }
-  const bool turntable = kind == PositionerKind::kTurntable;
-  if (node == nullptr && turntable) return std::vector<std::string>{kTableAxis};
-  if (node == nullptr) return Fail(ErrorCode::kBadInput, "{}: positioner.axes is missing, the names of 1 to 3", file);
-  std::vector<std::string> axes;
-  if (const toml::array* names = node->as_array()) {
-    for (const toml::node& name : *names) {
-      if (!name.is_string() || std::ranges::find(axes, name.ref<std::string>()) != axes.end()) {
-        return Fail(ErrorCode::kBadInput, "{} must be different names in quotes", KeyPlace(file, *node, "axes"));
-      }
-      axes.push_back(name.ref<std::string>());
-    }
-  }
-  const std::size_t most = turntable ? 1 : kMaxGantryAxes;
-  if (axes.empty() || axes.size() > most) {
-    return Fail(ErrorCode::kBadInput, "{} must be a list of {} in quotes", KeyPlace(file, *node, "axes"),
-                turntable ? "one name" : "one to three names");
-  }
-  return axes;
-}
+constexpr std::string_view kPositioner = "positioner", kAxisScale = "axis_scale_sigma";
 
 RigModel ModelOf(PositionerKind kind, PositionerLoad load, int num_axes) {
   switch (kind) {
@@ -91,31 +42,69 @@ RigModel ModelOf(PositionerKind kind, PositionerLoad load, int num_axes) {
   return Arm(load);
 }
 
-std::vector<std::string> KeysOf(PositionerKind kind) {
-  std::vector<std::string> keys = {"kind", "carries"};
-  if (kind != PositionerKind::kArm) keys.emplace_back("axes");
+void ReadSigmas(const CheckedTable& table, RigFile& rig) {
   for (const SigmaKey& key : kSigmas) {
-    if (key.kind == kind) keys.emplace_back(key.name);
-  }
-  if (kind == PositionerKind::kGantry) keys.emplace_back(kAxisScale);
-  return keys;
-}
-
-Result<void> ReadSigmas(const toml::table& table, const std::string& file, RigFile& rig) {
-  for (const SigmaKey& key : kSigmas) {
-    const toml::node* node = table.get(key.name);
-    if (key.kind != rig.model.positioner.kind || node == nullptr) continue;
-    const Result<double> value = TomlNumber(*node, KeyPlace(file, *node, key.name), key.range);
-    if (!value) return Fail(value.error());
+    if (key.kind != rig.model.positioner.kind || !table.Has(key.name)) continue;
+    double sigma = 0;
+    table.Read(key.name, sigma);
     const bool gantry = key.kind == PositionerKind::kGantry;
     const int count = gantry ? static_cast<int>(rig.axes.size()) : key.count;
-    rig.model.error_sigma.segment(key.first, count).setConstant(*value * key.to_si);
+    rig.model.error_sigma.segment(key.first, count).setConstant(sigma);
   }
-  const toml::node* scale = table.get(kAxisScale);
-  if (scale == nullptr) return {};
-  const Result<double> value = TomlNumber(*scale, KeyPlace(file, *scale, kAxisScale), {0, kMaxScaleSigma});
-  if (!value) return Fail(value.error());
-  rig.model.axis_scale_sigma = *value;
+  if (rig.model.positioner.kind == PositionerKind::kGantry) table.Read(kAxisScale, rig.model.axis_scale_sigma);
+}
+
+/// Its word, from which the keys of the other tables follow.
+Result<std::string> KindFrom(const toml::table& positioner, const std::string& file) {
+  const RigKey& key = *RigTableNamed(kPositioner).Find("kind", "");
+  const toml::node* node = positioner.get(key.name);
+  if (node == nullptr)
+    return Fail(ErrorCode::kBadInput, "{}: positioner.kind is missing, {}", file, KeyDescription(key));
+  if (auto checked = CheckRigValue(*node, key, file); !checked) return Fail(checked.error());
+  return node->ref<std::string>();
+}
+
+Result<PositionerLoad> LoadFrom(const CheckedTable& table, PositionerKind kind) {
+  std::string carries(WordOf(kPositionerLoads, PositionerLoad::kObject));
+  table.Read("carries", carries);
+  const PositionerLoad load = *FromWord(kPositionerLoads, carries);
+  if (kind == PositionerKind::kTurntable && load != PositionerLoad::kObject)
+    return Fail(ErrorCode::kBadInput, "{} = \"{}\": a turntable carries the object", table.Place("carries"), carries);
+  return load;
+}
+
+/// Every table but [positioner].
+Result<void> ReadOtherTables(const toml::table& document, const std::string& file, const std::string& kind,
+                             RigFile& rig) {
+  std::map<std::string_view, std::optional<CheckedTable>> tables;
+  for (const std::string_view name : {"stops", "capture", "keep", "chart", "replay", "sim"}) {
+    auto table = CheckedSection(document, name, file, kind);
+    if (!table) return Fail(table.error());
+    tables.emplace(name, std::move(*table));
+  }
+  rig.capture = ReadCapture(tables["capture"]);
+  rig.keep = ReadKeep(tables["keep"]);
+  if (const auto& chart = tables["chart"]) {
+    std::string board;
+    chart->Read("board", board);
+    rig.board = BesideRigFile(file, board);
+  }
+  if (const auto& stops = tables["stops"]) {
+    auto read = ReadStops(*stops, rig.positioner.axes);
+    if (!read) return Fail(read.error());
+    rig.capture.stops = std::move(*read);
+  }
+  const auto camera_tables = CheckedSections(document.get("camera"), "camera", file, kind);
+  if (!camera_tables) return Fail(camera_tables.error());
+  auto cameras = ReadCameras(*camera_tables, rig.capture.picture_s);
+  if (!cameras) return Fail(cameras.error());
+  rig.cameras = std::move(*cameras);
+  auto sim = ReadSim(tables["sim"], rig.positioner, rig.cameras);
+  if (!sim) return Fail(sim.error());
+  rig.sim = std::move(*sim);
+  auto replay = ReadReplay(tables["replay"], file, rig.positioner, rig.cameras);
+  if (!replay) return Fail(replay.error());
+  rig.replay = std::move(*replay);
   return {};
 }
 
@@ -139,27 +128,33 @@ Result<double> AxisValue(const RecordedStop& stop, const std::string& axis, Axis
 Result<RigFile> ParseRig(std::string_view text, const std::string& file) {
   const Result<toml::table> document = ParseToml(text, file);
   if (!document) return Fail(document.error());
-  if (auto known = CheckKeys(*document, file, "a rig file", {"positioner"}); !known) return Fail(known.error());
-  const toml::table* table = (*document)["positioner"].as_table();
-  if (table == nullptr) return Fail(ErrorCode::kBadInput, "{}: the table [positioner] is missing", file);
-
-  const auto kind = WordFrom<PositionerKind>(*table, "kind", file, kPositionerKinds, {});
-  if (!kind) return Fail(kind.error());
-  const std::string what = fmt::format("a positioner of this kind ({})", table->get("kind")->ref<std::string>());
-  if (auto known = CheckKeys(*table, file, what, KeysOf(*kind)); !known) return Fail(known.error());
-  const bool turntable = *kind == PositionerKind::kTurntable;
-  const auto load = WordFrom<PositionerLoad>(*table, "carries", file, kPositionerLoads,
-                                             turntable ? std::optional(PositionerLoad::kObject) : std::nullopt);
-  if (!load) return Fail(load.error());
-  if (turntable && *load != PositionerLoad::kObject) {
-    return Fail(ErrorCode::kBadInput, "{} = \"cameras\": a turntable carries the object",
-                KeyPlace(file, *table->get("carries"), "carries"));
-  }
-  Result<std::vector<std::string>> axes = AxesFrom(*table, file, *kind);
+  if (auto known = CheckRigTables(*document, file); !known) return Fail(known.error());
+  const toml::table* positioner = (*document)[kPositioner].as_table();
+  if (positioner == nullptr) return Fail(ErrorCode::kBadInput, "{}: the table [positioner] is missing", file);
+  const Result<std::string> word = KindFrom(*positioner, file);
+  if (!word) return Fail(word.error());
+  const PositionerKind kind = *FromWord(kPositionerKinds, *word);
+  const auto table = CheckedTable::Check(*positioner, RigTableNamed(kPositioner), file, *word, {"axis"});
+  if (!table) return Fail(table.error());
+  const auto axes = CheckedSections(positioner->get("axis"), "positioner.axis", file, *word);
   if (!axes) return Fail(axes.error());
-  RigFile rig{ModelOf(*kind, *load, static_cast<int>(axes->size())), std::move(*axes)};
-  if (auto read = ReadSigmas(*table, file, rig); !read) return Fail(read.error());
+  const Result<PositionerLoad> load = LoadFrom(*table, kind);
+  if (!load) return Fail(load.error());
+
+  Result<PositionerSettings> device = ReadPositionerDevice(*table, *axes, kind);
+  if (!device) return Fail(device.error());
+  RigFile rig{.model = ModelOf(kind, *load, static_cast<int>(device->axes.size()))};
+  for (const AxisSettings& axis : device->axes) rig.axes.push_back(axis.name);
+  rig.positioner = std::move(*device);
+  ReadSigmas(*table, rig);
+  if (auto read = ReadOtherTables(*document, file, *word, rig); !read) return Fail(read.error());
   return rig;
+}
+
+Result<RigFile> LoadRig(const std::filesystem::path& path) {
+  const Result<std::string> text = ReadFile(path);
+  if (!text) return Fail(text.error());
+  return ParseRig(*text, path.string());
 }
 
 std::string RigText(const RigFile& rig) {
@@ -169,7 +164,8 @@ std::string RigText(const RigFile& rig) {
   if (!rig.axes.empty()) text += fmt::format("axes = [\"{}\"]\n", Joined(rig.axes, "\", \""));
   for (const SigmaKey& key : kSigmas) {
     if (key.kind != positioner.kind) continue;
-    text += fmt::format("{} = {:.12g}\n", key.name, rig.model.error_sigma[key.first] / key.to_si);
+    const KeyUnit& unit = RigTableNamed(kPositioner).Find(key.name, WordOf(kPositionerKinds, key.kind))->unit;
+    text += fmt::format("{} = {:.12g}\n", key.name, rig.model.error_sigma[key.first] / unit.to_si);
   }
   if (positioner.kind == PositionerKind::kGantry) {
     text += fmt::format("{} = {:.12g}\n", kAxisScale, rig.model.axis_scale_sigma);

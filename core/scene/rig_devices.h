@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -70,6 +71,24 @@ struct KeepRule {
   std::optional<double> max_age_days;
   std::optional<int> max_count;
   std::optional<double> min_free_bytes;
+};
+
+/// The simulated studio that stands behind devices of the driver "sim". Its motion is that of the rig's positioner.
+struct SimSettings {
+  std::string scene = "textured";      ///< what stands on the table when it is not the chart
+  std::string surroundings = "black";  ///< "black": a dark cloth; "backdrop": textured walls and table top
+  int num_cameras = 1;                 ///< those of the driver "sim", in their order in the rig file
+  int width_px = 1280, height_px = 960;
+  double step_error_rad = 0, wobble_rad = 0, run_out_m = 0;  ///< standard deviations of a turntable's stops
+  double blur_sigma_px = 0.5;                                ///< Gaussian point spread of the lens
+  double noise_sigma = 1;                                    ///< in grey levels of 8 bit
+  std::uint64_t random_seed = 1;
+};
+
+/// The recording that stands behind devices of the driver "replay".
+struct ReplaySettings {
+  std::string recording;  ///< its folder
+  bool at_recorded_speed = false;
 };
 
 }  // namespace rigcal
