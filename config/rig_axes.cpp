@@ -7,21 +7,25 @@
 namespace rigcal {
 namespace {
 
-constexpr std::string_view kLinuxCncLetters = "XYZABCUVW", kGrblLetters = "XYZ";
+constexpr std::string_view kGrblLetters = "XYZ";
 
-std::string_view LettersOf(const std::string& driver) {
-  return driver == "grbl" ? kGrblLetters : kLinuxCncLetters;
+/// Whether the controller may call an axis so.
+bool IsLetter(const std::string& letter, const std::string& driver) {
+  const RigKey& key = *RigTableNamed("positioner.axis").Find("letter", "gantry");
+  if (std::ranges::find(key.words, letter) == key.words.end()) return false;
+  return driver != "grbl" || kGrblLetters.find(letter) != std::string_view::npos;
 }
 
 bool NeedsLetters(const std::string& driver) {
   return driver == "grbl" || driver == "linuxcnc";
 }
 
-/// Empty where nothing is usual.
+/// Empty where nothing is usual, or nobody asks.
 std::string UsualLetter(const std::string& name, PositionerKind kind, const std::string& driver) {
+  if (!NeedsLetters(driver)) return "";
   std::string letter = name;
   std::ranges::transform(letter, letter.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  if (letter.size() == 1 && LettersOf(driver).find(letter) != std::string_view::npos) return letter;
+  if (IsLetter(letter, driver)) return letter;
   if (kind != PositionerKind::kTurntable) return "";
   return driver == "grbl" ? "X" : "C";
 }
@@ -61,11 +65,9 @@ Result<void> ReadLimits(const CheckedTable& table, const std::string& key, AxisS
 Result<void> ReadAxis(const CheckedTable& table, const std::string& driver, AxisSettings& axis) {
   const bool radian = axis.unit == AxisUnit::kRadian;
   table.Read("letter", axis.device_letter);
-  if (axis.device_letter.size() != 1 || LettersOf(driver).find(axis.device_letter) == std::string_view::npos) {
-    if (table.Has("letter"))
-      return Fail(ErrorCode::kBadInput, "{} = \"{}\" of the axis '{}' must be one of the letters {}",
-                  table.Place("letter"), axis.device_letter, axis.name, LettersOf(driver));
-  }
+  if (table.Has("letter") && !IsLetter(axis.device_letter, driver))
+    return Fail(ErrorCode::kBadInput, "{} = \"{}\" of the axis '{}' must be one of the letters {} of grbl",
+                table.Place("letter"), axis.device_letter, axis.name, kGrblLetters);
   if (auto read = ReadLimits(table, radian ? "limits_deg" : "limits_m", axis); !read) return read;
   table.Read(radian ? "speed_deg_s" : "speed_m_s", axis.speed);
   const char* backlash = radian ? "backlash_deg" : "backlash_m";
@@ -84,8 +86,8 @@ Result<void> CheckLetters(const std::vector<AxisSettings>& axes, const CheckedTa
   std::set<std::string> letters;
   for (const AxisSettings& axis : axes) {
     if (axis.device_letter.empty())
-      return Fail(ErrorCode::kBadInput, "{} = \"{}\": the axis '{}' needs a letter, one of {}, in [[positioner.axis]]",
-                  positioner.Place("driver"), driver, axis.name, LettersOf(driver));
+      return Fail(ErrorCode::kBadInput, "{} = \"{}\": the axis '{}' needs its letter in [[positioner.axis]]",
+                  positioner.Place("driver"), driver, axis.name);
     if (!letters.insert(axis.device_letter).second)
       return Fail(ErrorCode::kBadInput, "{} = \"{}\": the axis '{}' has the letter {} of another one",
                   positioner.Place("driver"), driver, axis.name, axis.device_letter);

@@ -26,6 +26,7 @@ constexpr auto kLoads = WordsOf(kPositionerLoads);
 constexpr std::array<std::string_view, 5> kPositionerDrivers = {"linuxcnc", "grbl", "arm", "replay", "sim"};
 constexpr std::array<std::string_view, 3> kCameraDrivers = {"genicam", "replay", "sim"};
 constexpr std::array<std::string_view, 2> kApproaches = {"up", "down"};
+constexpr std::array<std::string_view, 9> kLetters = {"X", "Y", "Z", "A", "B", "C", "U", "V", "W"};  // LinuxCNC's
 constexpr std::array<std::string_view, 2> kTriggers = {"software", "hardware"};
 constexpr std::array<std::string_view, 3> kScenes = {"textured", "plaster", "thin"};
 constexpr std::array<std::string_view, 2> kSurroundings = {"black", "backdrop"};
@@ -133,8 +134,8 @@ constexpr std::string_view kMoving = "turntable, gantry";
 constexpr std::array kAxisKeys = {
     Text("name", "the name in `axes`, \"table\"", "which axis", kTurntable),
     Text("name", kRequired, "which axis", kGantry),
-    Text("letter", "the name where it is a letter; turntable: C, with grbl X",
-         "what the controller calls it: X, Y, Z, and with linuxcnc A, B, C, U, V, W", kMoving),
+    Word("letter", kLetters, "the name where it is a letter; turntable: C, with grbl X",
+         "what the controller calls it; grbl has X, Y and Z", kMoving),
     List("limits_deg", kNumbers, kDegrees, {-kMostTravel_deg, kMostTravel_deg}, {2, 2}, "none of rigcal's own",
          "soft limits, [least, most]", kTurntable),
     List("limits_m", kNumbers, kMetres, {-kMostTravel_m, kMostTravel_m}, {2, 2}, "none of rigcal's own",
@@ -178,7 +179,8 @@ constexpr std::array kCameraKeys = {
 
 constexpr std::array kCaptureKeys = {
     Number("picture_s", kSeconds, {0.1, 600}, "4", "a picture that has not come within it is missing"),
-    Number("recover_s", kSeconds, {0, 600}, "8", "how long a failed camera is given to come back"),
+    Number("recover_s", kSeconds, {0, 600}, "8",
+           "how long a failed camera is given to come back; a lost one is told after picture_s and this"),
     Whole("retakes", kPlain, {0, 100}, "2", "how often a picture is taken again after the first"),
     Number("max_saturated", kPlain, {0, 1}, "0.5", "share of saturated pixels; a picture with more is taken again"),
     Number("min_brightness", kPlain, {0, 1}, "0.01",
@@ -258,9 +260,9 @@ std::string KeyDescription(const RigKey& key) {
                                  : fmt::format("{} to {}", CountWord(key.fewest), CountWord(key.longest));
   switch (key.type) {
     case kText:
-      return "a text in quotes, not empty";
+      return fmt::format("a text in quotes of 1 to {} characters", kMaxTextLength);
     case kName:
-      return "a name in quotes of letters, digits, '-' and '_'";
+      return fmt::format("a name in quotes of 1 to {} letters, digits, '-' and '_'", kMaxNameLength);
     case kWord: {
       std::vector<std::string> quoted;
       for (const std::string_view word : key.words) quoted.push_back(fmt::format("\"{}\"", word));

@@ -34,6 +34,9 @@ inline constexpr KeyUnit kPlain{""}, kDegrees{"_deg", "degrees", kRadPerDeg}, kM
     kPixels{"_px", "pixels"}, kBytes{"_bytes", "bytes"}, kDays{"_days", "days"},
     kGigabytes{"_gb", "gigabytes of 10^9 bytes", kBytesPerGb};
 
+/// Characters of a kText, which a recording must be able to hold, and of a kName.
+inline constexpr int kMaxTextLength = 256, kMaxNameLength = 64;
+
 /// RigKey::fallback of a key that must be there.
 inline constexpr std::string_view kRequired = "required";
 

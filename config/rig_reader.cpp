@@ -22,7 +22,9 @@ bool IsText(const toml::node& node, const RigKey& key) {
   if (!node.is_string()) return false;
   const std::string& text = node.ref<std::string>();
   if (key.type == KeyType::kWord) return std::ranges::find(key.words, text) != key.words.end();
-  return !text.empty() && (key.type != KeyType::kName || std::ranges::all_of(text, IsNameCharacter));
+  const bool name = key.type == KeyType::kName;
+  const std::size_t longest = name ? kMaxNameLength : kMaxTextLength;
+  return !text.empty() && text.size() <= longest && (!name || std::ranges::all_of(text, IsNameCharacter));
 }
 
 Result<void> CheckNumbers(const toml::array& list, const RigKey& key, const std::string& file) {
@@ -46,7 +48,7 @@ Result<void> CheckNumbers(const toml::array& list, const RigKey& key, const std:
 Result<void> CheckTexts(const toml::array& list, const std::string& where) {
   std::vector<std::string> texts;
   for (const toml::node& node : list) {
-    if (!node.is_string() || std::ranges::find(texts, node.ref<std::string>()) != texts.end())
+    if (!IsText(node, {}) || std::ranges::find(texts, node.ref<std::string>()) != texts.end())
       return Fail(ErrorCode::kBadInput, "{} must be different names in quotes", where);
     texts.push_back(node.ref<std::string>());
   }

@@ -31,10 +31,10 @@ Result<double> TomlNumber(const toml::node& node, const std::string& where, cons
   std::string kind = range.whole ? "a whole number" : "a number";
   if (*range.unit != '\0') kind += fmt::format(" in {}", range.unit);
   if (!node.is_integer() && (range.whole || !node.is_floating_point()))
-    return Fail(ErrorCode::kBadInput, "{} must be {} from {:.4g} to {:.4g}", where, kind, range.least, range.most);
+    return Fail(ErrorCode::kBadInput, "{} must be {} from {:.6g} to {:.6g}", where, kind, range.least, range.most);
   const double value = node.is_integer() ? static_cast<double>(node.ref<std::int64_t>()) : node.ref<double>();
   if (!(value >= range.least && value <= range.most))
-    return Fail(ErrorCode::kBadInput, "{} = {} is outside its range, {} from {:.4g} to {:.4g}", where, value, kind,
+    return Fail(ErrorCode::kBadInput, "{} = {} is outside its range, {} from {:.6g} to {:.6g}", where, value, kind,
                 range.least, range.most);
   return value;
 }

@@ -24,6 +24,7 @@ void AddMvsCommand(CLI::App& app, CommandSession& session);
 void AddCompareCommand(CLI::App& app, CommandSession& session);
 void AddExportCommand(CLI::App& app, CommandSession& session);
 void AddRecordingCommand(CLI::App& app, CommandSession& session);
+void AddRigCommand(CLI::App& app, CommandSession& session);
 void AddSeedCommand(CLI::App& app, CommandSession& session);
 void AddChartCommand(CLI::App& app, CommandSession& session);
 void AddSimCommand(CLI::App& app, CommandSession& session);

@@ -57,6 +57,7 @@ int Main(int argc, char** argv) {
   AddCompareCommand(app, session);
   AddExportCommand(app, session);
   AddRecordingCommand(app, session);
+  AddRigCommand(app, session);
   AddSeedCommand(app, session);
   AddChartCommand(app, session);
   AddSimCommand(app, session);

@@ -96,11 +96,22 @@ TEST(RigHardware, ReadsAGantrysAxesByTheirNames) {
   EXPECT_EQ(axes[0].device_letter, "X");
   EXPECT_FALSE(axes[0].least);
   EXPECT_EQ(axes[1].device_letter, "Z");
+  EXPECT_EQ(axes[1].name, "z");
   EXPECT_EQ(axes[1].unit, AxisUnit::kMetre);
   EXPECT_EQ(axes[1].most, 0.5);
   EXPECT_EQ(axes[1].speed, 0.1);
   EXPECT_EQ(axes[1].approach, -1);
   EXPECT_EQ(axes[1].backlash, 0.002);
+}
+
+TEST(RigHardware, ATurntablesAxisHasItsUsualLetter) {
+  const auto letter = [](const std::string& driver, const std::string& address) {
+    const RigFile rig =
+        Parsed("[positioner]\nkind = \"turntable\"\ndriver = \"" + driver + "\"\naddress = \"" + address + "\"\n");
+    return rig.positioner.axes.at(0).device_letter;
+  };
+  EXPECT_EQ(letter("linuxcnc", "127.0.0.1:5007"), "C");
+  EXPECT_EQ(letter("grbl", "/dev/ttyUSB0"), "X");
 }
 
 TEST(RigHardware, ASimulatedStudioBringsItsCameras) {
@@ -140,14 +151,16 @@ TEST(RigHardware, TellsAWrongUnitFromAnUnknownKey) {
 TEST(RigHardware, TellsLineKeyAndRange) {
   ExpectSpoilt(kWholeRig, "8000\ngain", "0\ngain",
                {"rig.toml line 24: exposure_us = 0", "microseconds from 1 to 6e+07"});
-  ExpectSpoilt(kWholeRig, "= 8000\nregion", "= 100\nregion", {"line 26: packet_bytes = 100", "576 to 1.638e+04"});
+  ExpectSpoilt(kWholeRig, "= 8000\nregion", "= 100\nregion", {"line 26: packet_bytes = 100", "576 to 16384"});
   ExpectSpoilt(kWholeRig, "= 8000\nregion", "= 8000.5\nregion", {"line 26: packet_bytes must be a whole number"});
   ExpectSpoilt(kWholeRig, "[8, 16, 640, 480]", "[8, 16, 640]", {"line 27: region_px", "a list of four whole numbers"});
-  ExpectSpoilt(kWholeRig, "[8, 16,", "[-8, 16,", {"line 27: region_px[0] = -8", "from 0 to 6.554e+04"});
+  ExpectSpoilt(kWholeRig, "[8, 16,", "[-8, 16,", {"line 27: region_px[0] = -8", "from 0 to 65536"});
   ExpectSpoilt(kWholeRig, "[8, 16, 640, 480]", "[8, 16, 640, 0]", {"line 27: region_px of camera 'left' is empty"});
   ExpectSpoilt(kWholeRig, "\"S1\"", "17", {"line 21: serial must be a text in quotes"});
-  ExpectSpoilt(kWholeRig, "\"S1\"", "\"\"", {"line 21: serial must be a text in quotes, not empty"});
-  ExpectSpoilt(kWholeRig, "\"left\"", "\"../left\"", {"line 19: id must be a name in quotes of letters"});
+  ExpectSpoilt(kWholeRig, "\"S1\"", "\"\"", {"line 21: serial must be a text in quotes of 1 to 256 characters"});
+  ExpectSpoilt(kWholeRig, "\"left\"", "\"../left\"",
+               {"line 19: id must be a name in quotes of 1 to 64 letters, digits"});
+  ExpectSpoilt(kWholeRig, "25 mm", std::string(257, 'x'), {"line 28: lens must be a text in quotes of 1 to 256"});
   ExpectSpoilt(kWholeRig, "BayerRG12", "RGB8", {"line 22: pixel_format must be one of \"Mono8\", \"Mono10\""});
   ExpectSpoilt(kWholeRig, "\"hardware\"", "\"line 1\"", {"line 23: trigger must be one of \"software\", \"hardware\""});
   ExpectSpoilt(kWholeRig, "settle_s = 0.25", "settle_s = -1", {"line 5: settle_s = -1", "seconds from 0 to 60"});
@@ -190,11 +203,11 @@ TEST(RigHardware, RefusesWhatContradictsItself) {
   ExpectSpoilt(kWholeRig, ":5007", ":70000", {"line 4: address = \"127.0.0.1:70000\"", "the port from 1 to 65535"});
   ExpectSpoilt(kWholeRig, "\"linuxcnc\"", "\"arm\"", {"line 3: driver = \"arm\" does not move the axes"});
   ExpectSpoilt(kWholeRig, "approach = \"up\"\n", "", {"line 12: backlash_deg", "needs approach = \"up\" or \"down\""});
-  ExpectSpoilt(kWholeRig, "letter = \"C\"", "letter = \"Q\"",
-               {"line 9: letter = \"Q\"", "one of the letters XYZABCUVW"});
-  ExpectSpoilt(kGantryRig, "limits_m =", "letter = \"A\"\nlimits_m =", {"line 9: letter", "one of the letters XYZ"});
+  ExpectSpoilt(kWholeRig, "letter = \"C\"", "letter = \"Q\"", {"line 9: letter must be one of \"X\", \"Y\""});
+  ExpectSpoilt(kGantryRig,
+               "limits_m =", "letter = \"A\"\nlimits_m =", {"line 9: letter", "one of the letters XYZ of grbl"});
   ExpectSpoilt(kGantryRig, "limits_m =", "letter = \"X\"\nlimits_m =", {"the axis 'z' has the letter X of another"});
-  ExpectSpoilt(kGantryRig, "axes = [\"x\", \"z\"]", "axes = [\"lift\", \"z\"]", {"the axis 'lift' needs a letter"});
+  ExpectSpoilt(kGantryRig, "axes = [\"x\", \"z\"]", "axes = [\"lift\", \"z\"]", {"the axis 'lift' needs its letter"});
   ExpectSpoilt(kSimRig, "[sim]\n", "[[camera]]\nid = \"a\"\ndriver = \"sim\"\n[sim]\n",
                {"num_cameras = 3, but 1 [[camera]] have the driver sim"});
 }
@@ -203,6 +216,7 @@ TEST(RigHardware, RefusesMoreAxesThanTheKindHas) {
   ExpectSpoilt(kWholeRig, "[stops]", "[[positioner.axis]]\n[stops]",
                {"line 14", "2 of [[positioner.axis]]", "at most 1"});
   ExpectSpoilt(kGantryRig, "[\"x\", \"z\"]", "[\"x\", \"y\", \"z\", \"w\"]", {"line 6: axes", "one to three names"});
+  ExpectSpoilt(kGantryRig, "[\"x\", \"z\"]", "[\"\", \"z\"]", {"line 6: axes must be different names in quotes"});
   ExpectSpoilt(kGantryRig, "[stops]", "[[positioner.axis]]\nname = \"z\"\n[stops]",
                {"line 14: name", "'z' is there twice"});
   const std::string arm = "[positioner]\nkind = \"arm\"\ncarries = \"object\"\n";

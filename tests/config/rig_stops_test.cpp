@@ -82,7 +82,7 @@ TEST(RigStops, AreRefusedWhenTheyAreNotSaidInOneWay) {
   EXPECT_EQ(WhyNot("step_deg = 30\n"), "rig.toml line 6: step_deg needs stops.count, the number of stops");
   EXPECT_EQ(WhyNot("count = 0\n"), "rig.toml line 6: count = 0 is outside its range, a whole number from 1 to 3600");
   EXPECT_EQ(WhyNot("angles_deg = [0, \"x\"]\n"),
-            "rig.toml line 6: angles_deg[1] must be a number in degrees from -3.6e+04 to 3.6e+04");
+            "rig.toml line 6: angles_deg[1] must be a number in degrees from -36000 to 36000");
   EXPECT_EQ(WhyNot("angles_rad = [0]\n"),
             "rig.toml line 6: angles_rad: unknown in [stops]; did you mean angles_deg (degrees)?");
 }
