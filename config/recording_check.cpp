@@ -30,20 +30,6 @@ PictureFinding CheckPicture(const fs::path& folder, const Recording& recording, 
                                 (folder / recording.views[view].file).string(), 100 * share, 100 * kMaxSaturatedShare)};
 }
 
-/// Files below the folder that the recording does not list, sorted.
-std::vector<std::string> ForeignFiles(const fs::path& folder, const Recording& recording) {
-  std::set<std::string> known = {kRecordingFile};
-  for (const RecordedView& view : recording.views) known.insert(view.file);
-  std::vector<std::string> foreign;
-  std::error_code error;
-  for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    const std::string name = it->path().lexically_relative(folder).generic_string();
-    if (!it->is_directory(error) && !known.contains(name)) foreign.push_back(name);
-  }
-  std::sort(foreign.begin(), foreign.end());
-  return foreign;
-}
-
 /// Stops and cameras that no view belongs to: normal, but worth a look.
 std::vector<std::string> Unseen(const Recording& recording) {
   std::set<int> cameras, stops;
@@ -60,6 +46,19 @@ std::vector<std::string> Unseen(const Recording& recording) {
 }
 
 }  // namespace
+
+std::vector<std::string> ForeignFiles(const fs::path& folder, const Recording& recording) {
+  std::set<std::string> known = {kRecordingFile};
+  for (const RecordedView& view : recording.views) known.insert(view.file);
+  std::vector<std::string> foreign;
+  std::error_code error;
+  for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    const std::string name = it->path().lexically_relative(folder).generic_string();
+    if (it->symlink_status(error).type() != fs::file_type::directory && !known.contains(name)) foreign.push_back(name);
+  }
+  std::sort(foreign.begin(), foreign.end());
+  return foreign;
+}
 
 Result<RecordingFindings> CheckRecording(const fs::path& folder, const Execution& execution) {
   Result<Recording> recording = LoadRecording(folder);

@@ -16,6 +16,10 @@ struct RecordingFindings {
   std::vector<std::string> remarks;  ///< foreign files, over-exposed pictures, stops and cameras without a view
 };
 
+/// Files and links below the folder that the recording does not list, sorted; temporary files of an interrupted write
+/// (config/atomic_file.h) among them.
+std::vector<std::string> ForeignFiles(const std::filesystem::path& folder, const Recording& recording);
+
 /// Looks at every picture and every file of a recording. Errors: those of LoadRecording; kCancelled.
 Result<RecordingFindings> CheckRecording(const std::filesystem::path& folder, const Execution& execution);
 

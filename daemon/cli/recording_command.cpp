@@ -6,6 +6,8 @@
 #include "config/recording_check.h"
 #include "config/recording_file.h"
 #include "config/recording_import.h"
+#include "config/recording_prune.h"
+#include "config/rig_file.h"
 #include "daemon/cli/number_options.h"
 #include "daemon/cli/run_request.h"
 
@@ -46,6 +48,37 @@ int RunCheck(const std::filesystem::path& folder, const CommandSession& session)
   return findings->faults.empty() ? kExitAccepted : kExitBadInput;
 }
 
+struct PruneArguments {
+  std::filesystem::path rig, recordings;
+  std::vector<std::string> keep;
+  bool dry_run = false;
+};
+
+int RunPrune(const PruneArguments& arguments, const CommandSession& session) {
+  const Result<RigFile> rig = LoadRig(arguments.rig);
+  if (!rig) return FailWith("recording prune", rig.error());
+  const PruneOptions options{
+      .rule = rig->keep, .needed = {arguments.keep.begin(), arguments.keep.end()}, .dry_run = arguments.dry_run};
+  const auto report = PruneRecordings(arguments.recordings, options, RealSurroundings(), session.stop);
+  if (!report) return FailWith("recording prune", report.error());
+  for (const PrunedRecording& gone : report->gone)
+    fmt::print("{}: {}: {}\n", arguments.dry_run ? "would go" : "gone", gone.folder.string(), gone.reason);
+  for (const std::string& remark : report->remarks) fmt::print("note: {}\n", remark);
+  fmt::print("{}: {} {}, {} left\n", arguments.recordings.string(), report->gone.size(),
+             arguments.dry_run ? "would go" : "gone", report->num_left);
+  return report->failure ? FailWith("recording prune", *report->failure) : kExitAccepted;
+}
+
+void AddPruneCommand(CLI::App& recording, CommandSession& session) {
+  CLI::App* command = recording.add_subcommand("prune", "Removes old recordings by the rule of a rig file");
+  const auto arguments = std::make_shared<PruneArguments>();
+  command->add_option("--rig", arguments->rig, "rig.toml; its [keep] is the rule")->required();
+  command->add_option("--recordings", arguments->recordings, "Folder in which the recordings lie")->required();
+  command->add_option("--keep", arguments->keep, "Ids of recordings that never go")->delimiter(',');
+  command->add_flag("--dry-run", arguments->dry_run, "Says what would go, and touches nothing");
+  command->callback([arguments, &session] { session.exit_status = RunPrune(*arguments, session); });
+}
+
 void AddImportCommand(CLI::App& recording, CommandSession& session) {
   CLI::App* command = recording.add_subcommand("import", "Makes a recording of pictures taken by something else");
   auto arguments = std::make_shared<ImportArguments>();
@@ -71,6 +104,7 @@ void AddRecordingCommand(CLI::App& app, CommandSession& session) {
   CLI::App* recording = app.add_subcommand("recording", "Recordings: pictures with their cameras and stops");
   recording->require_subcommand(1);
   AddImportCommand(*recording, session);
+  AddPruneCommand(*recording, session);
   CLI::App* check = recording->add_subcommand("check", "Whether a recording is whole and unchanged");
   auto folder = std::make_shared<std::filesystem::path>();
   check->add_option("DIR", *folder, "Folder of the recording")->required();
