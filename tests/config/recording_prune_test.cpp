@@ -181,6 +181,19 @@ TEST_F(PruneTest, EndsWhenAskedAndSaysWhatWent) {
   EXPECT_THAT(Left(), ElementsAre("a", "b"));
 }
 
+TEST_F(PruneTest, OneThatCannotGoIsNamedAndWhole) {
+  Add("a", 1), Add("b", 2), Add("c", 3);
+  folder_.Write(".b.pruned", "a file where the folder would have to be");
+  const PruneReport report = Prune({.rule = {.max_count = 1}});
+  ASSERT_TRUE(report.failure);
+  EXPECT_EQ(report.failure->code, ErrorCode::kIo);
+  EXPECT_THAT(report.failure->message, HasSubstr("b: cannot be removed"));
+  EXPECT_THAT(Reasons(report), ElementsAre("id-a: the oldest of 3 recordings (limit 1)"));
+  EXPECT_EQ(report.num_left, 2);
+  EXPECT_THAT(Left(), ElementsAre(".b.pruned", "b", "c"));
+  EXPECT_TRUE(fs::exists(folder_.Path() / "b" / kRecordingFile));
+}
+
 TEST_F(PruneTest, AFolderThatIsNotThereIsNamed) {
   const auto report = PruneRecordings(folder_.Path() / "none", {}, RealSurroundings(), {});
   ASSERT_FALSE(report);
