@@ -110,7 +110,7 @@ std::string ReportText(const RunReport& report) {
   json["level"] = report.level;
   json["rounds"] = RoundsJson(report.rounds);
   json["views_per_track"] = ViewsPerTrackJson(report.views_per_track);
-  json["holdout"] = {{"before_px", NumberJson(holdout.before_px)},
+  json["holdout"] = {{"before_px", holdout.before_px ? NumberJson(*holdout.before_px) : Json()},
                      {"after_px", NumberJson(holdout.after_px)},
                      {"num_tracks", holdout.num_tracks}};
   json["views"] = ViewsJson(report.validation.views);

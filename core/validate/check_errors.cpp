@@ -100,7 +100,7 @@ void CheckHoldout(JudgedCase* judged) {
   }
   if (!input.prior) return;
   holdout.before_px = MeanOf(CrossResiduals(*input.prior, judged->judging_tracks, judged->excluded));
-  const double limit = kMaxHoldoutGrowth * holdout.before_px + kMaxHoldoutGrowthPx;
+  const double limit = kMaxHoldoutGrowth * *holdout.before_px + kMaxHoldoutGrowthPx;
   if (holdout.after_px > limit) {
     judged->Object(Verdict::kRejected, {"holdout_error_against_before", holdout.after_px, limit, "px", {}, {}});
   }

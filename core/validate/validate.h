@@ -35,8 +35,8 @@ struct ViewFinding {
 };
 
 struct HoldoutError {
-  double before_px = 0;  ///< held-out tracks under the prior's cameras
-  double after_px = 0;   ///< under the judged ones
+  std::optional<double> before_px;  ///< held-out tracks under the prior's cameras; nothing without a prior
+  double after_px = 0;              ///< under the judged ones
   int num_tracks = 0;
 };
 

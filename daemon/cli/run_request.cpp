@@ -214,8 +214,10 @@ void ReportInput(const PreparedRun& run, RunReport& report) {
 
 std::string VerdictText(const RunReport& report) {
   const ValidationReport& v = report.validation;
-  std::string text = fmt::format("verdict: {}\nheld-out tracks: {:.3f} px before, {:.3f} px after ({} tracks)\n",
-                                 NameOf(v.verdict), v.holdout.before_px, v.holdout.after_px, v.holdout.num_tracks);
+  std::string text = fmt::format("verdict: {}\nheld-out tracks: ", NameOf(v.verdict));
+  if (v.holdout.before_px) text += fmt::format("{:.3f} px before, ", *v.holdout.before_px);
+  text += fmt::format("{:.3f} px{} ({} tracks)\n", v.holdout.after_px, v.holdout.before_px ? " after" : "",
+                      v.holdout.num_tracks);
   for (const Reason& reason : v.reasons) {
     text +=
         fmt::format("  {}{}: {:.4g} {} against a limit of {:.4g} {}\n", reason.check,

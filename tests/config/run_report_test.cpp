@@ -57,6 +57,8 @@ TEST(RunReport, NumbersThatDoNotExistAreNull) {
   const std::string text = ReportText(report);
   EXPECT_THAT(text, HasSubstr("\"before_px\": null"));
   EXPECT_EQ(SchemaComplaints("report.schema.json", text), "");
+  report.validation.holdout.before_px.reset();
+  EXPECT_THAT(ReportText(report), HasSubstr("\"before_px\": null"));
 }
 
 TEST(RunTiming, FollowsItsSchema) {

@@ -81,7 +81,7 @@ TEST_P(GoodCameras, AreAccepted) {
   const ValidationReport report = Judged(input);
   EXPECT_EQ(report.verdict, Verdict::kAccepted);
   EXPECT_THAT(ChecksOf(report), IsEmpty());
-  EXPECT_GT(report.holdout.before_px, 2);
+  EXPECT_GT(report.holdout.before_px.value(), 2);
   EXPECT_LT(report.holdout.after_px, 0.8);
   ASSERT_EQ(report.views.size(), scene.truth.views.size());
   EXPECT_GT(report.views[0].num_features, 30);
