@@ -216,11 +216,7 @@ std::string VerdictText(const RunReport& report) {
   const ValidationReport& v = report.validation;
   std::string text = fmt::format("verdict: {}\nheld-out tracks: {:.3f} px before, {:.3f} px after ({} tracks)\n",
                                  NameOf(v.verdict), v.holdout.before_px, v.holdout.after_px, v.holdout.num_tracks);
-  for (const Reason& reason : v.reasons) {
-    text +=
-        fmt::format("  {}{}: {:.4g} {} against a limit of {:.4g} {}\n", reason.check,
-                    reason.view ? " (" + *reason.view + ")" : "", reason.value, reason.unit, reason.limit, reason.unit);
-  }
+  for (const Reason& reason : v.reasons) text += "  " + ReasonText(reason) + "\n";
   if (report.rig && report.rig->axis) {
     std::vector<std::string> camera_ids;
     for (const CameraReport& camera : report.cameras) camera_ids.push_back(camera.camera.id);
