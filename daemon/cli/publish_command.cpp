@@ -35,6 +35,12 @@ Result<int> RollbackTarget(const PublishArguments& arguments, OpenedRig& opened)
   return Fail(ErrorCode::kBadInput, "rig '{}': there is no earlier publication to roll back to", opened.rig);
 }
 
+PublishFolder TargetOf(const PublishArguments& arguments) {
+  PublishFolder target{arguments.publish_dir, {}};
+  for (const std::string& format : arguments.formats) target.formats.push_back({format, arguments.undistorted});
+  return target;
+}
+
 Result<Published> PublishWith(const PublishArguments& arguments, const PublishRequest& request, CalibrationStore& store,
                               const std::stop_token& stop) {
   if (arguments.publish_dir.empty()) {
@@ -42,10 +48,17 @@ Result<Published> PublishWith(const PublishArguments& arguments, const PublishRe
     if (!event) return Fail(event.error());
     return Published{*event, {}};
   }
-  PublishFolder target{arguments.publish_dir, {}};
-  for (const std::string& format : arguments.formats) target.formats.push_back({format, arguments.undistorted});
   SystemClock clock;
-  return PublishRevision(store, request, target, clock, stop);
+  return PublishRevision(store, request, TargetOf(arguments), clock, stop);
+}
+
+/// The revision is in force already: its files may be missing.
+int WriteFiles(const char* name, const PublishArguments& arguments, OpenedRig& opened, const std::stop_token& stop) {
+  SystemClock clock;
+  const auto written = RepairPublished(*opened.store, opened.rig, TargetOf(arguments), clock, stop);
+  if (!written) return FailWith(name, written.error());
+  fmt::print("it is in force already; its files {}\n", *written ? "are written" : "were right");
+  return kExitAccepted;
 }
 
 int Run(const char* name, PublishKind kind, const PublishArguments& arguments, const CommandSession& session) {
@@ -59,6 +72,9 @@ int Run(const char* name, PublishKind kind, const PublishArguments& arguments, c
   if (!number) return FailWith(name, number.error());
   const auto expected = Expected(arguments, *opened);
   if (!expected) return FailWith(name, expected.error());
+  if (kind == PublishKind::kPublish && *expected == *number && !arguments.publish_dir.empty()) {
+    return WriteFiles(name, arguments, *opened, session.stop);
+  }
   const PublishRequest request{.rig = opened->rig,
                                .revision = *number,
                                .expected = *expected,

@@ -6,6 +6,7 @@
 #include <barrier>
 #include <functional>
 #include <memory>
+#include <ostream>
 #include <string>
 #include <thread>
 
@@ -22,6 +23,10 @@ struct StoreKind {
   std::function<Result<std::unique_ptr<CalibrationStore>>(const std::filesystem::path& folder)> open;
   std::function<Result<std::unique_ptr<CalibrationStore>>(const std::filesystem::path& file)> reopen;
 };
+
+inline void PrintTo(const StoreKind& kind, std::ostream* out) {
+  *out << kind.name;
+}
 
 /// What every CalibrationStore does. Another store: INSTANTIATE_TEST_SUITE_P with its StoreKind.
 class StoreContract : public ::testing::TestWithParam<StoreKind> {
