@@ -23,9 +23,9 @@ Result<RigCalibration> CalibrationOf(const CalibrationRevision& revision) {
   return std::move(content->calibration);
 }
 
-/// "0.41 right, 0.12 down": how the picture of the object shifted.
+/// "0.41 right, 0.12 down": how the picture of the object shifted, on average.
 std::string ShiftText(const CameraMotion& motion) {
-  const Eigen::Vector2d shift_px = motion.moved_px * motion.direction;
+  const Eigen::Vector2d& shift_px = motion.shift_px;
   return fmt::format("{:.2f} {}, {:.2f} {}", std::abs(shift_px.x()), shift_px.x() < 0 ? "left" : "right",
                      std::abs(shift_px.y()), shift_px.y() < 0 ? "up" : "down");
 }
@@ -63,7 +63,7 @@ std::string DiffText(const RevisionDiff& diff) {
                                  diff.before.number, diff.before.time, diff.after.number, diff.after.time, d.mean_px,
                                  d.num_views, d.by_rig ? "at the rig's exact stops" : "of the same name");
   for (const CameraMotion& motion : d.cameras) {
-    text += fmt::format("  {:16} {:.2f} px: the picture moved {}; {}\n", motion.camera, motion.moved_px,
+    text += fmt::format("  {:16} {:.2f} px: the picture moved {} on average; {}\n", motion.camera, motion.moved_px,
                         ShiftText(motion), SigmaText(motion));
   }
   text += OnlyText(d.only_before, diff.before.number) + OnlyText(d.only_after, diff.after.number);
@@ -80,6 +80,7 @@ std::string DiffJson(const RevisionDiff& diff) {
     cameras.push_back({{"camera", motion.camera},
                        {"num_views", motion.num_views},
                        {"moved_px", NumberJson(motion.moved_px)},
+                       {"shift_px", {NumberJson(motion.shift_px.x()), NumberJson(motion.shift_px.y())}},
                        {"direction", {NumberJson(motion.direction.x()), NumberJson(motion.direction.y())}},
                        {"sigma_px", motion.sigma_px ? NumberJson(*motion.sigma_px) : Json(nullptr)},
                        {"more_than_sigma", motion.MovedMoreThanSigma()}});

@@ -100,14 +100,14 @@ std::vector<std::string> OnlyIn(const RigCalibration& one, const RigCalibration&
 /// Sums over a camera's views, made means at the end.
 struct MotionSum {
   CameraMotion motion;
-  Eigen::Vector2d shift_px = Eigen::Vector2d::Zero();
   double variance_px2 = 0;
 };
 
 CameraMotion MeanOf(MotionSum sum, bool has_sigma) {
   const double n = sum.motion.num_views;
   sum.motion.moved_px /= n;
-  if (sum.shift_px.norm() > 0) sum.motion.direction = sum.shift_px.normalized();
+  sum.motion.shift_px /= n;
+  if (sum.motion.shift_px.norm() > 0) sum.motion.direction = sum.motion.shift_px.normalized();
   if (has_sigma) sum.motion.sigma_px = std::sqrt(sum.variance_px2 / n);
   return sum.motion;
 }
@@ -123,7 +123,7 @@ std::vector<CameraMotion> PerCamera(const RigCalibration& before, const RigCalib
     if (sum == sums.end()) sum = sums.insert(sums.end(), MotionSum{.motion = {.camera = camera}});
     ++sum->motion.num_views;
     sum->motion.moved_px += moved.moved_px;
-    sum->shift_px += moved.shift_px;
+    sum->motion.shift_px += moved.shift_px;
     if (!has_sigma) continue;
     const double a = (*sigma_before)[moved.reference_view], b = (*sigma_after)[moved.estimate_view];
     sum->variance_px2 += a * a + b * b;

@@ -14,8 +14,9 @@ namespace rigcal {
 struct CameraMotion {
   std::string camera;  ///< physical_id
   int num_views = 0;
-  double moved_px = 0;  ///< mean shift of the pictures of object points
-  /// Unit mean shift in the camera's picture (+x right, +y down); zero when nothing moved.
+  double moved_px = 0;                                 ///< mean shift of the pictures of object points
+  Eigen::Vector2d shift_px = Eigen::Vector2d::Zero();  ///< mean shift itself: shorter where views disagree on the way
+  /// Its unit vector in the camera's picture (+x right, +y down); zero when nothing moved.
   Eigen::Vector2d direction = Eigen::Vector2d::Zero();
   /// Root mean square of what both calibrations state for that shift, taken as independent: too large when one was the
   /// prior of the other. Nothing: one of them states no uncertainty.

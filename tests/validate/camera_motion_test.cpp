@@ -94,6 +94,8 @@ TEST(CompareCalibrations, TheCameraThatTurnedIsNamedWithItsWay) {
   EXPECT_GT(turned.moved_px, 0.7 * kFocalPx * kTurnRad);
   EXPECT_LT(turned.moved_px, 1.1 * kFocalPx * kTurnRad);
   EXPECT_GT(turned.direction.x(), 0.95);
+  EXPECT_NEAR(turned.shift_px.norm(), turned.moved_px, 0.1 * turned.moved_px);  // all its views agree
+  EXPECT_LT((turned.shift_px.normalized() - turned.direction).norm(), 1e-12);
   EXPECT_TRUE(turned.MovedMoreThanSigma());
   for (const int other : {0, 1, 3}) EXPECT_LT(difference.cameras[other].moved_px, 0.5 * turned.moved_px) << other;
 }
