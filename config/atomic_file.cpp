@@ -11,12 +11,6 @@
 namespace rigcal {
 namespace {
 
-tl::unexpected<Error> WriteFailure(const std::filesystem::path& path, int error) {
-  if (error == ENOSPC || error == EDQUOT)
-    return Fail(ErrorCode::kDiskFull, "{}: no space left on the disk", path.string());
-  return Fail(ErrorCode::kIo, "{}: cannot be written ({})", path.string(), std::generic_category().message(error));
-}
-
 /// A new file beside `path`, removed at the end of its life unless it was renamed to `path`.
 class TemporaryFile {
  public:
@@ -62,6 +56,12 @@ class TemporaryFile {
 };
 
 }  // namespace
+
+tl::unexpected<Error> WriteFailure(const std::filesystem::path& path, int error) {
+  if (error == ENOSPC || error == EDQUOT)
+    return Fail(ErrorCode::kDiskFull, "{}: no space left on the disk", path.string());
+  return Fail(ErrorCode::kIo, "{}: cannot be written ({})", path.string(), std::generic_category().message(error));
+}
 
 Result<void> WriteFileAtomically(const std::filesystem::path& path, std::string_view bytes) {
   TemporaryFile file(path);

@@ -11,6 +11,9 @@ namespace rigcal {
 /// kDiskFull, kIo (the folder is missing or may not be written); the temporary file is removed.
 Result<void> WriteFileAtomically(const std::filesystem::path& path, std::string_view bytes);
 
+/// The Error for a file or folder that could not be written: kDiskFull or kIo by `error` (errno).
+tl::unexpected<Error> WriteFailure(const std::filesystem::path& path, int error);
+
 /// Makes the folder, with its parents, unless it is there, and tries that a file can be written in it, so that a long
 /// run does not fail at its end. Errors: kBadInput (the path is a file), kIo, kDiskFull.
 Result<void> PrepareOutputFolder(const std::filesystem::path& folder);

@@ -99,6 +99,12 @@ const char* NameOf(Verdict verdict) {
   return "inconclusive";
 }
 
+std::string ReasonText(const Reason& reason) {
+  return fmt::format("{}{}: {:.4g} {} against a limit of {:.4g} {}", reason.check,
+                     reason.view ? " (" + *reason.view + ")" : "", reason.value, reason.unit, reason.limit,
+                     reason.unit);
+}
+
 std::string ReportText(const RunReport& report) {
   const HoldoutError& holdout = report.validation.holdout;
   Json json = {{"format", "rigcal report"}, {"version", kVersion}};

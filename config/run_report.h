@@ -66,6 +66,9 @@ struct RunTiming {
 /// As in report.json: accepted, rejected, inconclusive.
 const char* NameOf(Verdict verdict);
 
+/// "epipolar (left_03.png): 1.3 px against a limit of 1 px".
+std::string ReasonText(const Reason& reason);
+
 /// The texts of report.json and timing.json. A number that is not finite becomes null.
 std::string ReportText(const RunReport& report);
 std::string TimingText(const RunTiming& timing);

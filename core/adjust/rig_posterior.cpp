@@ -3,39 +3,10 @@
 #include <algorithm>
 
 #include "core/rig/camera_information.h"
-#include "core/rig/rig_model_pose.h"
+#include "core/rig/poses_by_rig.h"
 
 namespace rigcal {
 namespace {
-
-/// Columns: those of RigCovariance, then kStopErrorSize for each stop.
-struct RigColumns {
-  int num_cameras, num_stops;
-  [[nodiscard]] int Stop(int stop) const { return RigCovariance::Size(num_cameras) + kStopErrorSize * stop; }
-  [[nodiscard]] int Count() const { return Stop(num_stops); }
-};
-
-/// How intrinsics and poses (rows as in CalibrationCovariance) follow from the rig.
-Eigen::MatrixXd ByRig(const RigTerms& rig, const RigState& state, const RigCalibration& solution,
-                      const RigColumns& columns) {
-  const int n = columns.num_cameras;
-  Eigen::MatrixXd d = Eigen::MatrixXd::Zero(CalibrationCovariance::PoseRow(n, solution.NumViews()), columns.Count());
-  for (int c = 0; c < n; ++c) {
-    d.block<kNumIntrinsics, kNumIntrinsics>(CalibrationCovariance::IntrinsicsRow(c), RigCovariance::IntrinsicsRow(c))
-        .setIdentity();
-  }
-  for (int v = 0; v < solution.NumViews(); ++v) {
-    const int row = CalibrationCovariance::PoseRow(n, v), camera = solution.views[v].camera;
-    const int stop = rig.stop_of_view[v];
-    const RigPose pose = RigPoseAt(state.model.positioner, state.model.cam_from_mount[camera].value(), rig.stops[stop],
-                                   state.stop_errors[stop]);
-    d.block<6, 6>(row, RigCovariance::MountRow(n, camera)) = pose.by_mount;
-    d.block<6, 6>(row, RigCovariance::AnchorRow(n)) = pose.by_anchor;
-    d.block<6, 9>(row, RigCovariance::AxesRow(n)) = pose.by_axes;
-    d.block<6, kStopErrorSize>(row, columns.Stop(stop)) = pose.by_stop_error;
-  }
-  return d;
-}
 
 /// Inverse of what is known before; its columns in `free`, the others are held.
 Eigen::MatrixXd PriorInformation(const RigTerms& rig, const RigColumns& columns, std::vector<int>& free) {
@@ -59,7 +30,8 @@ void WriteRigPosterior(const Eigen::MatrixXd& features, const BundleTerms& terms
   const RigTerms& rig = *terms.rig;
   const RigState& state = out.rig->state;
   const RigColumns columns{out.calibration.NumCameras(), static_cast<int>(rig.stops.size())};
-  const Eigen::MatrixXd by_rig = ByRig(rig, state, out.calibration, columns);
+  const Eigen::MatrixXd by_rig =
+      PosesByRig(state.model, rig.stops, state.stop_errors, rig.stop_of_view, out.calibration);
   std::vector<int> free;
   Eigen::MatrixXd information = PriorInformation(rig, columns, free);
   const Eigen::MatrixXd used = by_rig(terms.free.JointRows(), Eigen::all);

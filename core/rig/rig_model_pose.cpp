@@ -1,5 +1,6 @@
 #include "core/rig/rig_model_pose.h"
 
+#include <Eigen/QR>
 #include <cmath>
 
 #include "core/base/ensure.h"
@@ -88,6 +89,31 @@ StopMotion MotionAt(const Positioner& positioner, const StopPosition& position, 
 
 Rigid3d CamFromWorld(const Rigid3d& cam_from_mount, const StopMotion& motion) {
   return cam_from_mount * motion.mount_from_stage * motion.stage_from_world;
+}
+
+StopPosition StopAt(const Positioner& positioner, const Rigid3d& cam_from_mount, const Rigid3d& cam_from_world) {
+  const Rigid3d mount_from_world = cam_from_mount.Inverse() * cam_from_world;
+  StopPosition position;
+  switch (positioner.kind) {
+    case PositionerKind::kTurntable: {
+      const Eigen::Matrix3d r = mount_from_world.rotation.toRotationMatrix();
+      position.axes = {std::atan2(r(1, 0) - r(0, 1), r(0, 0) + r(1, 1))};  // the nearest turn about z
+      break;
+    }
+    case PositionerKind::kGantry: {
+      const auto axes = positioner.axes_in_stage.leftCols(positioner.num_axes);
+      const Eigen::VectorXd values =
+          axes.colPivHouseholderQr().solve(GantrySign(positioner) * mount_from_world.translation);
+      position.axes.assign(values.begin(), values.end());
+      break;
+    }
+    case PositionerKind::kArm:
+      position.base_from_flange = positioner.load == PositionerLoad::kObject
+                                      ? mount_from_world * positioner.anchor_from_world.Inverse()
+                                      : positioner.anchor_from_world * mount_from_world.Inverse();
+      break;
+  }
+  return position;
 }
 
 void PlaceViews(const RigModel& model, std::span<const StopPosition> stops, std::span<const StopError> stop_errors,

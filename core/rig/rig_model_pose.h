@@ -20,7 +20,12 @@ StopMotion MotionAt(const Positioner& positioner, const StopPosition& position, 
 /// cam_from_world = cam_from_mount * mount_from_stage(stop) * stage_from_world(stop): the one place where it stands.
 Rigid3d CamFromWorld(const Rigid3d& cam_from_mount, const StopMotion& motion);
 
-/// The same with its derivative: how the pose is disturbed (Disturbed(), 6 rows) by ...
+/// The stop at which a camera with this mount has this pose, in everything that a position says: the inverse of
+/// CamFromWorld. A stop's error is counted into the position as far as the position can hold it (a turntable's wobble
+/// is lost).
+StopPosition StopAt(const Positioner& positioner, const Rigid3d& cam_from_mount, const Rigid3d& cam_from_world);
+
+/// The same as CamFromWorld with its derivative: how the pose is disturbed (Disturbed(), 6 rows) by ...
 struct RigPose {
   Rigid3d cam_from_world;
   Eigen::Matrix<double, 6, 6> by_mount;       ///< ... the disturbance of cam_from_mount

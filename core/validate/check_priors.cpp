@@ -3,11 +3,11 @@
 
 #include "core/rig/measurements.h"
 #include "core/rig/projection_uncertainty.h"
-#include "core/validate/align.h"
 #include "core/validate/checks.h"
 #include "core/validate/evidence.h"
 #include "core/validate/limits.h"
 #include "core/validate/metric_refit.h"
+#include "core/validate/view_motion.h"
 
 namespace rigcal {
 namespace {
@@ -102,34 +102,20 @@ void CheckIntrinsics(JudgedCase* judged) {
 void CheckDistanceFromPrior(JudgedCase* judged) {
   const ValidationInput& input = judged->input;
   if (!input.prior) return;
-  const auto points = ObjectPoints(*input.prior, judged->judging_tracks);
-  const auto common = CommonViews(*input.prior, input.calibration);
-  if (points.empty() || common.size() < 2) return;
-  const AlignProblem problem = MakeAlignProblem(*input.prior, input.calibration, points, common);
-  const Eigen::Matrix4d judged_from_unit = AlignBySimilarity(problem).estimate_from_unit;
+  const auto motions = ViewMotions(*input.prior, input.calibration, ObjectPoints(*input.prior, judged->judging_tracks));
+  if (motions.empty()) return;
   double sum = 0;
-  int num_views = 0;
-  for (std::size_t c = 0; c < common.size(); ++c) {
-    const AlignView& view = problem.views[c];
-    if (view.points.empty()) continue;
-    ViewFinding& finding = judged->report.views[common[c].second];
-    Eigen::Vector2d shift = Eigen::Vector2d::Zero();
-    const auto n = static_cast<double>(view.points.size());
-    for (std::size_t i = 0; i < view.points.size(); ++i) {
-      const Eigen::Vector2d moved =
-          ProjectAligned(view, judged_from_unit, problem.x_in_unit[view.points[i]]) - view.seen_px[i];
-      finding.moved_px += moved.norm() / n;
-      shift += moved / n;
-    }
-    if (shift.norm() > 0) finding.direction = shift.normalized();
+  for (const ViewMotion& motion : motions) {
+    ViewFinding& finding = judged->report.views[motion.estimate_view];
+    finding.moved_px = motion.moved_px;
+    if (motion.shift_px.norm() > 0) finding.direction = motion.shift_px.normalized();
     sum += finding.moved_px;
-    ++num_views;
     const double limit = kMaxViewMovedRatio * input.expected_error_px;
     if (input.expected_error_px > 0 && !(finding.moved_px <= limit)) {
       judged->Object(Verdict::kRejected, {"view_distance_from_prior", finding.moved_px, limit, "px", finding.name, {}});
     }
   }
-  const double mean = num_views > 0 ? sum / num_views : 0;
+  const double mean = sum / static_cast<double>(motions.size());
   const double limit = kMaxMovedRatio * input.expected_error_px;
   if (input.expected_error_px > 0 && !(mean <= limit)) {
     judged->Object(Verdict::kRejected, {"distance_from_prior", mean, limit, "px", {}, {}});

@@ -27,6 +27,9 @@ void AddRecordingCommand(CLI::App& app, CommandSession& session);
 void AddRigCommand(CLI::App& app, CommandSession& session);
 void AddSeedCommand(CLI::App& app, CommandSession& session);
 void AddChartCommand(CLI::App& app, CommandSession& session);
+void AddHistoryCommands(CLI::App& app, CommandSession& session);
+void AddPublishCommands(CLI::App& app, CommandSession& session);
+void AddStoreCommand(CLI::App& app, CommandSession& session);
 void AddSimCommand(CLI::App& app, CommandSession& session);
 
 }  // namespace rigcal

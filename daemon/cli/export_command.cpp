@@ -4,9 +4,11 @@
 #include <filesystem>
 #include <memory>
 
+#include "config/calibration_file.h"
 #include "config/export.h"
 #include "config/load_cameras.h"
 #include "daemon/cli/run_request.h"
+#include "daemon/cli/store_options.h"
 
 namespace rigcal {
 namespace {
@@ -14,17 +16,41 @@ namespace {
 struct ExportArguments {
   std::string calibration, format, out;
   bool undistorted = false;
+  StoreChoice choice;
 };
 
+Result<RigCalibration> FromFile(const std::string& file) {
+  Result<LoadedCameras> cameras = LoadCamerasUnchanged(file);
+  if (!cameras) return Fail(cameras.error());
+  return std::move(cameras->calibration);
+}
+
+Result<RigCalibration> FromStore(const StoreChoice& choice, int number) {
+  const auto opened = OpenRig(choice);
+  if (!opened) return Fail(opened.error());
+  const auto revision = opened->store->Load(opened->rig, number);
+  if (!revision) return Fail(revision.error());
+  auto content = ParseCalibration(revision->calibration_text, fmt::format("revision {}", number));
+  if (!content) return Fail(content.error());
+  return std::move(content->calibration);
+}
+
+/// What is neither a file nor a number is most likely a file that is missing.
+Result<RigCalibration> Cameras(const ExportArguments& arguments) {
+  const Result<int> number = RevisionNumber(arguments.calibration);
+  if (NamesFile(arguments.calibration) || !number) return FromFile(arguments.calibration);
+  return FromStore(arguments.choice, *number);
+}
+
 int RunExport(const ExportArguments& arguments) {
-  const Result<LoadedCameras> cameras = LoadCamerasUnchanged(arguments.calibration);
-  if (!cameras) return FailWith("export", cameras.error());
+  const Result<RigCalibration> calibration = Cameras(arguments);
+  if (!calibration) return FailWith("export", calibration.error());
   const ExportOptions options{*ExportFormatFromName(arguments.format), arguments.undistorted};
   std::error_code error;
   if (std::filesystem::equivalent(arguments.calibration, arguments.out, error)) {
     return FailWith("export", {ErrorCode::kBadInput, arguments.out + ": is the calibration itself and is kept"});
   }
-  const auto notes = Export(cameras->calibration, options, arguments.out);
+  const auto notes = Export(*calibration, options, arguments.out);
   if (!notes) return FailWith("export", notes.error());
   for (const std::string& note : *notes) fmt::print(stderr, "rigcal export: note: {}\n", note);
   return kExitAccepted;
@@ -35,7 +61,11 @@ int RunExport(const ExportArguments& arguments) {
 void AddExportCommand(CLI::App& app, CommandSession& session) {
   auto arguments = std::make_shared<ExportArguments>();
   CLI::App* command = app.add_subcommand("export", "Writes a calibration for another program");
-  command->add_option("CALIBRATION", arguments->calibration, "calibration.json, or any other camera file")->required();
+  command
+      ->add_option("CALIBRATION", arguments->calibration,
+                   "calibration.json, any other camera file, or the number of a revision in the store")
+      ->required();
+  AddStoreOptions(*command, arguments->choice);
   command->add_option("--format", arguments->format, "Format to write")
       ->required()
       ->check(CLI::IsMember({"middlebury", "colmap", "pmvs", "opencv"}));

@@ -60,6 +60,9 @@ int Main(int argc, char** argv) {
   AddRigCommand(app, session);
   AddSeedCommand(app, session);
   AddChartCommand(app, session);
+  AddHistoryCommands(app, session);
+  AddPublishCommands(app, session);
+  AddStoreCommand(app, session);
   AddSimCommand(app, session);
   try {
     app.parse(argc, argv);

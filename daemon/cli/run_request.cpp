@@ -218,11 +218,7 @@ std::string VerdictText(const RunReport& report) {
   if (v.holdout.before_px) text += fmt::format("{:.3f} px before, ", *v.holdout.before_px);
   text += fmt::format("{:.3f} px{} ({} tracks)\n", v.holdout.after_px, v.holdout.before_px ? " after" : "",
                       v.holdout.num_tracks);
-  for (const Reason& reason : v.reasons) {
-    text +=
-        fmt::format("  {}{}: {:.4g} {} against a limit of {:.4g} {}\n", reason.check,
-                    reason.view ? " (" + *reason.view + ")" : "", reason.value, reason.unit, reason.limit, reason.unit);
-  }
+  for (const Reason& reason : v.reasons) text += "  " + ReasonText(reason) + "\n";
   if (report.rig && report.rig->axis) {
     std::vector<std::string> camera_ids;
     for (const CameraReport& camera : report.cameras) camera_ids.push_back(camera.camera.id);

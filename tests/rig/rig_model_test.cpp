@@ -75,6 +75,22 @@ std::vector<RigCase> RigCases() {
   return cases;
 }
 
+TEST(RigModel, StopAtGivesTheStopBack) {
+  for (const RigCase& test : RigCases()) {
+    const Positioner& positioner = test.rig.positioner;
+    const auto placed = [&](const StopPosition& position) {
+      return CamFromWorld(Mount(), MotionAt(positioner, position, StopError::Zero()));
+    };
+    const Rigid3d pose = placed(test.position);
+    const StopPosition stop = StopAt(positioner, Mount(), pose);
+    ASSERT_EQ(stop.axes.size(), test.position.axes.size());
+    for (std::size_t k = 0; k < stop.axes.size(); ++k) EXPECT_NEAR(stop.axes[k], test.position.axes[k], 1e-12);
+    const Rigid3d again = placed(stop);
+    EXPECT_LT((again.translation - pose.translation).norm(), 1e-12);
+    EXPECT_LT(again.rotation.angularDistance(pose.rotation), 1e-7);  // arc cosine near 1
+  }
+}
+
 TEST(RigFeatureResidual, AgreesWithDifferences) {
   for (const RigCase& test : RigCases()) {
     const RigView view{test.rig.positioner, test.position};
