@@ -64,8 +64,10 @@ def reprojection(exports, form):
     model = as_text(exports.export("full", form))
     names = [line.split()[9] for line in lines(model / "images.txt")[::2]]
     assert sorted(names) == sorted(view["name"] for view in exports.calibration("full")["views"])
-    cameras = {line.split()[1] for line in lines(model / "cameras.txt")}
-    assert cameras == {"FULL_OPENCV", "OPENCV", "PINHOLE"}
+    read = [line.split()[1:4] for line in sorted(lines(model / "cameras.txt"))]
+    expected = [[kind, str(camera["width_px"]), str(camera["height_px"])]
+                for kind, camera in zip(("FULL_OPENCV", "OPENCV", "PINHOLE"), exports.calibration("full")["cameras"])]
+    exports.check(f"{form} models and sizes", read == expected, f"{read}")
     copy = shutil.copytree(model, model.with_name(model.name + ".copy"))
     error_px = colmaps_error_px(model, exports.points, exports.pixels("full") + CORNER)
     exports.check(form, 0 <= error_px < export_reading.MAX_DIFFERENCE_PX, f"COLMAP's error is {error_px:.2g} px")

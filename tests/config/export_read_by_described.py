@@ -55,6 +55,8 @@ def kalibr(path, exports):
     seen = []
     for n in range(len(chain)):
         camera = chain[f"cam{n}"]
+        own = exports.calibration("no_k3")["cameras"][n]
+        assert camera["resolution"] == [own["width_px"], own["height_px"]]
         pose = numpy.array(camera["T_cn_cnm1"]) @ pose if n else pose
         x = (homogeneous(exports.points) @ pose.T)[:, :3]
         fu, fv, pu, pv = camera["intrinsics"]
@@ -79,7 +81,10 @@ def nerfstudio(path, exports):
     content = json.loads(path.read_text())
     assert content["camera_model"] == "OPENCV" and "applied_transform" not in content
     seen = []
-    for frame in content["frames"]:
+    calibration = exports.calibration("no_k3")
+    sizes = {camera["id"]: (camera["width_px"], camera["height_px"]) for camera in calibration["cameras"]}
+    for frame, view in zip(content["frames"], calibration["views"], strict=True):
+        assert frame["file_path"] == view["name"] and (frame["w"], frame["h"]) == sizes[view["camera"]]
         x = (homogeneous(exports.points) @ numpy.linalg.inv(frame["transform_matrix"]).T)[:, :3]
         assert (x[:, 2] < 0).all()  # the camera looks along -z
         x, y = x[:, 0] / -x[:, 2], -x[:, 1] / -x[:, 2]
@@ -157,6 +162,8 @@ def openmvg(folder, exports):
     seen = []
     for entry in content["views"]:
         view = entry["value"]["ptr_wrapper"]["data"]
+        own = exports.calibration("square")["cameras"][view["id_intrinsic"]]
+        assert (view["width"], view["height"]) == (own["width_px"], own["height_px"])
         kind, camera = intrinsics[view["id_intrinsic"]]
         pose = poses[view["id_pose"]]
         x = (exports.points - pose["center"]) @ numpy.array(pose["rotation"]).T
