@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "config/formats/conversions.h"
 #include "config/text_fields.h"
 
 namespace rigcal {
@@ -35,10 +36,10 @@ void SetParameter(Camera& camera, Parameter parameter, double value) {
       camera.fy_px = value;
       break;
     case Parameter::kCx:
-      camera.cx_px = value - kColmapPixelOffset;
+      camera.cx_px = value - kCornerOffsetPx;
       break;
     case Parameter::kCy:
-      camera.cy_px = value - kColmapPixelOffset;
+      camera.cy_px = value - kCornerOffsetPx;
       break;
     case Parameter::kK1:
       camera.k1 = value;

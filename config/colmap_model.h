@@ -8,12 +8,9 @@
 
 namespace rigcal {
 
-/// COLMAP puts the origin of pixel coordinates at the corner of the top-left pixel, this program at its centre:
-/// cx_colmap = cx + kColmapPixelOffset. The only place of this constant.
-inline constexpr double kColmapPixelOffset = 0.5;
-
 /// The texts of a COLMAP model's cameras.txt and images.txt (points are ignored). Models with a pinhole and Brown
-/// distortion are read; FULL_OPENCV only with k4 = k5 = k6 = 0. `folder` names the model in messages. Errors:
+/// distortion are read; FULL_OPENCV only with k4 = k5 = k6 = 0. COLMAP puts the origin of pixels at the
+/// corner of the top-left pixel. `folder` names the model in messages. Errors:
 /// kBadInput, kUnsupported.
 Result<std::vector<CameraRecord>> ParseColmapModel(std::string_view cameras_text, std::string_view images_text,
                                                    const std::string& folder);

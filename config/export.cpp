@@ -3,107 +3,64 @@
 #include <algorithm>
 
 #include "config/atomic_file.h"
-#include "config/export_text.h"
-#include "config/middlebury.h"
-#include "config/text_fields.h"
+#include "config/export_folder.h"
+#include "config/formats/marks.h"
+#include "config/formats/writers.h"
+#include "config/read_file.h"
+#include "core/base/ensure.h"
 
 namespace rigcal {
 namespace {
 
-Result<void> CheckPinhole(const RigCalibration& calibration, std::string_view format) {
-  for (const Camera& camera : calibration.cameras)
-    if (camera.HasDistortion())
-      return Fail(ErrorCode::kUnsupported,
-                  "camera '{}' has distortion, which {} cannot hold; --undistorted writes the cameras of undistorted "
-                  "images",
-                  camera.id, format);
-  return {};
+constexpr const char* kUndistortionFile = "undistort.yml";
+
+bool SameMatrices(const RigCalibration& a, const RigCalibration& b) {
+  return std::equal(a.cameras.begin(), a.cameras.end(), b.cameras.begin(), [](const Camera& left, const Camera& right) {
+    return left.CalibrationMatrix() == right.CalibrationMatrix();
+  });
 }
 
-/// Names with blanks cannot be told from the numbers behind them.
-Result<void> CheckNamesAreWords(const RigCalibration& calibration, std::string_view format) {
-  for (const View& view : calibration.views)
-    if (SplitFields(view.name).size() != 1)
-      return Fail(ErrorCode::kUnsupported, "the image name '{}' has blanks, which {} cannot hold", view.name, format);
-  return {};
-}
-
-Result<void> CheckNoSkew(const RigCalibration& calibration, std::string_view format) {
-  for (const Camera& camera : calibration.cameras)
-    if (camera.skew_px != 0)
-      return Fail(ErrorCode::kUnsupported, "camera '{}' has a skew of {} px, which {} does not know", camera.id,
-                  camera.skew_px, format);
-  return {};
-}
-
-Result<void> CheckColmap(const RigCalibration& calibration) {
-  for (const Camera& camera : calibration.cameras) {
-    if (camera.width_px <= 0 || camera.height_px <= 0)
-      return Fail(ErrorCode::kBadInput, "the image size of camera '{}' is not known, COLMAP needs it", camera.id);
+Result<void> WriteSingleFile(const FormatEntry& entry, const std::string& text, const std::filesystem::path& out) {
+  std::error_code error;
+  if (std::filesystem::exists(out, error)) {
+    const Result<std::string> old = ReadFile(out);
+    if (!old) return Fail(old.error());
+    if (!old->empty() && !IsExportOf(entry.format, *old))
+      return Fail(ErrorCode::kBadInput, "{}: is not an export in the format {} and is kept", out.string(), entry.name);
   }
-  return CheckNoSkew(calibration, "COLMAP");
-}
-
-Result<void> Check(const RigCalibration& calibration, ExportFormat format) {
-  switch (format) {
-    case ExportFormat::kMiddlebury:
-      if (Result<void> names = CheckNamesAreWords(calibration, "Middlebury"); !names) return names;
-      return CheckPinhole(calibration, "Middlebury");
-    case ExportFormat::kPmvs:
-      return CheckPinhole(calibration, "PMVS");
-    case ExportFormat::kColmap:
-      return CheckColmap(calibration);
-    case ExportFormat::kOpenCv:
-      break;
-  }
-  return CheckNoSkew(calibration, "OpenCV");
-}
-
-Result<void> WriteFiles(const ExportedFiles& files, const std::filesystem::path& folder) {
-  for (const auto& [name, content] : files) {
-    const std::filesystem::path path = folder / name;
-    if (Result<void> prepared = PrepareOutputFolder(path.parent_path()); !prepared) return prepared;
-    if (Result<void> written = WriteFileAtomically(path, content); !written) return written;
-  }
-  return {};
-}
-
-Result<void> Write(const RigCalibration& calibration, ExportFormat format, const std::filesystem::path& out) {
-  switch (format) {
-    case ExportFormat::kColmap:
-      return WriteFiles(ColmapFiles(calibration), out);
-    case ExportFormat::kPmvs:
-      return WriteFiles(PmvsFiles(calibration), out);
-    case ExportFormat::kOpenCv:
-      return WriteFileAtomically(out, OpenCvText(calibration));
-    case ExportFormat::kMiddlebury:
-      break;
-  }
-  return WriteFileAtomically(out, MiddleburyText(calibration));
+  return WriteFileAtomically(out, text);
 }
 
 }  // namespace
 
 std::optional<ExportFormat> ExportFormatFromName(std::string_view name) {
-  if (name == "middlebury") return ExportFormat::kMiddlebury;
-  if (name == "colmap") return ExportFormat::kColmap;
-  if (name == "pmvs") return ExportFormat::kPmvs;
-  if (name == "opencv") return ExportFormat::kOpenCv;
+  for (const FormatEntry& entry : ExportFormats())
+    if (entry.name == name) return entry.format;
   return std::nullopt;
 }
 
 Result<std::vector<std::string>> Export(const RigCalibration& calibration, const ExportOptions& options,
                                         const std::filesystem::path& out) {
-  RigCalibration exported = calibration;
+  const FormatEntry& entry = EntryOf(options.format);
+  const RigCalibration exported = options.undistorted ? UndistortedFor(calibration, entry.gaps) : calibration;
+  if (const Result<void> checked = CheckFits(exported, entry.gaps, entry.title); !checked) return Fail(checked.error());
+  Result<ExportedFiles> files = entry.files(exported);
+  if (!files) return Fail(files.error());
   std::vector<std::string> notes;
-  if (options.undistorted) {
-    const bool any = std::any_of(exported.cameras.begin(), exported.cameras.end(),
-                                 [](const Camera& camera) { return camera.HasDistortion(); });
-    for (Camera& camera : exported.cameras) camera = Undistorted(camera);
-    if (any) notes.emplace_back("these cameras fit undistorted images only, not the photographs");
+  if (!entry.caveat.empty()) notes.emplace_back(entry.caveat);
+  const bool other_matrices = !SameMatrices(calibration, exported);
+  if (other_matrices) {
+    Ensure(entry.is_folder, "a format that needs another matrix has room for undistort.yml");
+    (*files)[kUndistortionFile] = UndistortionText(calibration, exported);
+    notes.push_back(fmt::format("these cameras fit images undistorted as {} says only, not the photographs",
+                                (out / kUndistortionFile).string()));
+  } else if (std::any_of(calibration.cameras.begin(), calibration.cameras.end(),
+                         [&](const Camera& camera) { return options.undistorted && camera.HasDistortion(); })) {
+    notes.emplace_back("these cameras fit undistorted images only, not the photographs");
   }
-  if (const Result<void> checked = Check(exported, options.format); !checked) return Fail(checked.error());
-  if (const Result<void> written = Write(exported, options.format, out); !written) return Fail(written.error());
+  const Result<void> written = entry.is_folder ? ReplaceExportFolder(entry.name, *std::move(files), out)
+                                               : WriteSingleFile(entry, files->begin()->second, out);
+  if (!written) return Fail(written.error());
   return notes;
 }
 

@@ -36,11 +36,19 @@ bool SameParameters(const RigCalibration& a, const RigCalibration& b) {
                     [](const View& x, const View& y) { return x.name == y.name && x.camera == y.camera; });
 }
 
-Result<LoadedCameras> LoadOwn(const std::string& text, const std::string& file, const CameraFileOptions& options) {
+/// What the caller does with a calibration.json: gather its views into cameras, or take it as it stands.
+enum class OwnFile { kGathered, kAsItStands };
+
+Result<LoadedCameras> LoadOwn(const std::string& text, const std::string& file, const CameraFileOptions& options,
+                              OwnFile own) {
   const Result<CalibrationContent> content = ParseCalibration(text, file);
   if (!content) return Fail(content.error());
   Result<LoadedCameras> loaded = AssembleCameras(content->records, file, options);
   if (!loaded) return loaded;
+  if (own == OwnFile::kAsItStands) {
+    loaded->calibration = content->calibration;
+    return loaded;
+  }
   loaded->calibration.unit = content->calibration.unit;
   if (content->calibration.covariance && SameParameters(loaded->calibration, content->calibration)) {
     loaded->calibration.covariance = content->calibration.covariance;
@@ -58,9 +66,7 @@ Result<LoadedCameras> LoadMiddlebury(const std::string& text, const std::string&
   return AssembleCameras(*records, file, options);
 }
 
-}  // namespace
-
-Result<LoadedCameras> LoadCameras(const std::filesystem::path& path, const CameraFileOptions& options) {
+Result<LoadedCameras> Load(const std::filesystem::path& path, const CameraFileOptions& options, OwnFile own) {
   std::error_code error;
   if (std::filesystem::is_directory(path, error)) return LoadColmap(path, options);
   const Result<std::string> text = ReadFile(path);
@@ -69,7 +75,7 @@ Result<LoadedCameras> LoadCameras(const std::filesystem::path& path, const Camer
   const char first = begin == std::string::npos ? '\0' : (*text)[begin];
   Result<LoadedCameras> loaded;
   if (first == '{') {
-    loaded = LoadOwn(*text, path.string(), options);
+    loaded = LoadOwn(*text, path.string(), options, own);
   } else if (first == '\0' || std::isdigit(static_cast<unsigned char>(first)) != 0) {
     loaded = LoadMiddlebury(*text, path.string(), options);
   } else {
@@ -81,14 +87,22 @@ Result<LoadedCameras> LoadCameras(const std::filesystem::path& path, const Camer
   return loaded;
 }
 
+}  // namespace
+
+Result<LoadedCameras> LoadCameras(const std::filesystem::path& path, const CameraFileOptions& options) {
+  return Load(path, options, OwnFile::kGathered);
+}
+
 Result<LoadedCameras> LoadCamerasUnchanged(const std::filesystem::path& path, CameraFileOptions options) {
   options.intrinsics = IntrinsicsMode::kPerCamera;
   options.allow_skew = true;
   options.min_views = 1;
-  Result<LoadedCameras> loaded = LoadCameras(path, options);
+  const bool regrouped = !options.camera_from_name.empty() || !options.camera_by_image.empty();
+  const OwnFile own = regrouped ? OwnFile::kGathered : OwnFile::kAsItStands;
+  Result<LoadedCameras> loaded = Load(path, options, own);
   if (!loaded || !loaded->intrinsics_differ) return loaded;
   options.intrinsics = IntrinsicsMode::kPerView;
-  return LoadCameras(path, options);
+  return Load(path, options, own);
 }
 
 }  // namespace rigcal

@@ -43,8 +43,8 @@ struct LoadedCameras {
 Result<LoadedCameras> LoadCameras(const std::filesystem::path& path, const CameraFileOptions& options);
 
 /// The same without changing any number: views share a Camera only where the file gives them the same one. Skew and any
-/// number of views are allowed. Of the options only those that name the cameras count. For comparing, exporting and
-/// stereo.
+/// number of views are allowed. Of the options only those that name the cameras count; without them a calibration.json
+/// is taken as it stands, with cameras that have no view, covariance and rig. For comparing, exporting and stereo.
 Result<LoadedCameras> LoadCamerasUnchanged(const std::filesystem::path& path, CameraFileOptions options = {});
 
 }  // namespace rigcal

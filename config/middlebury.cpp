@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "config/formats/writers.h"
 #include "config/text_fields.h"
 #include "core/base/ensure.h"
 
@@ -58,20 +59,9 @@ Result<std::vector<CameraRecord>> ParseMiddlebury(std::string_view text, const s
 }
 
 std::string MiddleburyText(const RigCalibration& calibration) {
-  std::string text = fmt::format("{}\n", calibration.NumViews());
-  for (int v = 0; v < calibration.NumViews(); ++v) {
-    const View& view = calibration.views[v];
-    Ensure(!calibration.CameraOf(v).HasDistortion(), "the Middlebury form knows no distortion");
-    const Eigen::Matrix3d k = calibration.CameraOf(v).CalibrationMatrix();
-    const Eigen::Matrix3d r = view.cam_from_world.rotation.toRotationMatrix();
-    text += view.name;
-    for (const Eigen::Matrix3d& matrix : {k, r})
-      for (int row = 0; row < 3; ++row)
-        for (int column = 0; column < 3; ++column) text += fmt::format(" {:.17g}", matrix(row, column));
-    for (int row = 0; row < 3; ++row) text += fmt::format(" {:.17g}", view.cam_from_world.translation[row]);
-    text += '\n';
-  }
-  return text;
+  for (const Camera& camera : calibration.cameras)
+    Ensure(!camera.HasDistortion(), "the Middlebury form knows no distortion");
+  return MiddleburyFiles(calibration)->begin()->second;
 }
 
 }  // namespace rigcal

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cstdio>
 #include <filesystem>
@@ -56,6 +57,20 @@ int RunExport(const ExportArguments& arguments) {
   return kExitAccepted;
 }
 
+bool IsFolder(const FormatEntry& entry) {
+  return entry.is_folder;
+}
+bool IsFile(const FormatEntry& entry) {
+  return !entry.is_folder;
+}
+
+std::vector<std::string> Names(bool (*has)(const FormatEntry&)) {
+  std::vector<std::string> names;
+  for (const FormatEntry& entry : ExportFormats())
+    if (has(entry)) names.emplace_back(entry.name);
+  return names;
+}
+
 }  // namespace
 
 void AddExportCommand(CLI::App& app, CommandSession& session) {
@@ -66,13 +81,17 @@ void AddExportCommand(CLI::App& app, CommandSession& session) {
                    "calibration.json, any other camera file, or the number of a revision in the store")
       ->required();
   AddStoreOptions(*command, arguments->choice);
-  command->add_option("--format", arguments->format, "Format to write")
+  command->add_option("--format", arguments->format, "Format to write (docs/formats.md)")
       ->required()
-      ->check(CLI::IsMember({"middlebury", "colmap", "pmvs", "opencv"}));
-  command->add_option("--out", arguments->out, "File (middlebury, opencv) or folder (colmap, pmvs) to write")
+      ->check(CLI::IsMember(Names([](const FormatEntry&) { return true; })));
+  command
+      ->add_option("--out", arguments->out,
+                   fmt::format("File ({}) or folder ({}) to write; an earlier export there is replaced",
+                               fmt::join(Names(IsFile), ", "), fmt::join(Names(IsFolder), ", ")))
       ->required();
-  command->add_flag("--undistorted", arguments->undistorted,
-                    "Write the cameras of undistorted images: the same without distortion");
+  command->add_flag(
+      "--undistorted", arguments->undistorted,
+      "Write the cameras of undistorted images, for formats that cannot say what the cameras have (docs/formats.md)");
   command->callback([arguments, &session] { session.exit_status = RunExport(*arguments); });
 }
 

@@ -7,15 +7,18 @@
 #include <sstream>
 
 #include "config/load_cameras.h"
+#include "config/read_file.h"
 #include "core/base/random.h"
 #include "tests/config/example_rig.h"
+#include "tests/config/export_examples.h"
 #include "tests/config/refusals.h"
 #include "tests/config/temporary_folder.h"
 
 namespace rigcal {
 namespace {
 
-using ::testing::ElementsAre;
+using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::HasSubstr;
 
 RigCalibration WithDistortion(double k3) {
@@ -174,39 +177,155 @@ TEST(Export, OpenCvReadByOpenCv) {
   }
 }
 
-TEST(Export, RefusesDistortionUnlessUndistorted) {
-  const TemporaryFolder folder;
-  const RigCalibration ring = WithDistortion(0);
-  for (ExportFormat format : {ExportFormat::kMiddlebury, ExportFormat::kPmvs}) {
-    const auto refused = Export(ring, {format}, folder.Path() / "out");
-    ASSERT_FALSE(refused);
-    EXPECT_EQ(refused.error().code, ErrorCode::kUnsupported);
-    EXPECT_THAT(refused.error().message, HasSubstr("--undistorted"));
-    EXPECT_FALSE(std::filesystem::exists(folder.Path() / "out"));
-  }
-  const auto written = Export(ring, {ExportFormat::kMiddlebury, true}, folder.Path() / "out");
-  ASSERT_TRUE(written) << Message(written);
-  EXPECT_THAT(*written, ElementsAre(HasSubstr("undistorted")));
+/// How a calibration is changed so that it holds what one gap is about.
+void Spoil(Gap gap, RigCalibration& ring) {
+  Camera& camera = ring.cameras[0];
+  if (gap == kNoDistortion) camera.k1 = 0.01;
+  if (gap == kNoTangential) camera.p1 = 0.01;
+  if (gap == kNoK3) camera.k3 = 0.01;
+  if (gap == kNoSkew) camera.skew_px = 1;
+  if (gap == kOneFocalLength) camera.fy_px = camera.fx_px + 1;
+  if (gap == kCentred) camera.cx_px += 1;
+  if (gap == kNamesAreWords) ring.views[1].name = "a b.png";
+  if (gap == kNeedsSize) camera.width_px = 0;
 }
 
-TEST(Export, RefusesWhatAFormatCannotHold) {
+/// What every format can hold: square pixels, a centred axis, no distortion.
+RigCalibration PlainRing() {
+  RigCalibration ring = ExampleRing(3);
+  Camera& camera = ring.cameras[0];
+  camera.fy_px = camera.fx_px, camera.cx_px = 31.5, camera.cy_px = 23.5;
+  return ring;
+}
+
+class EveryFormat : public ::testing::TestWithParam<FormatEntry> {};
+
+TEST_P(EveryFormat, RefusesWhatItCannotSayAndWritesTheRest) {
+  const FormatEntry& entry = GetParam();
   const TemporaryFolder folder;
-  RigCalibration skewed = ExampleRing(3), nameless = ExampleRing(3), sizeless = ExampleRing(3);
-  skewed.cameras[0].skew_px = 1;
-  nameless.views[1].name = "a b.png";
-  sizeless.cameras[0].width_px = 0;
-  EXPECT_THAT(Message(Export(skewed, {ExportFormat::kColmap}, folder.Path())), HasSubstr("skew"));
-  EXPECT_THAT(Message(Export(skewed, {ExportFormat::kOpenCv}, folder.Path() / "out")), HasSubstr("skew"));
-  EXPECT_THAT(Message(Export(nameless, {ExportFormat::kMiddlebury}, folder.Path() / "out")), HasSubstr("'a b.png'"));
-  EXPECT_THAT(Message(Export(sizeless, {ExportFormat::kColmap}, folder.Path())), HasSubstr("size"));
-  EXPECT_EQ(Message(Export(sizeless, {ExportFormat::kPmvs}, folder.Path())), kNoError);
+  EXPECT_EQ(Message(Export(PlainRing(), {entry.format}, folder.Path() / "plain")), kNoError);
+  for (Gap gap :
+       {kNoDistortion, kNoTangential, kNoK3, kNoSkew, kOneFocalLength, kCentred, kNamesAreWords, kNeedsSize}) {
+    RigCalibration ring = PlainRing();
+    Spoil(gap, ring);
+    const bool any_distortion = (gap == kNoTangential || gap == kNoK3) && (entry.gaps & kNoDistortion) != 0;
+    // The middle of a picture needs its size.
+    const bool refused =
+        (entry.gaps & gap) != 0 || any_distortion || (gap == kNeedsSize && (entry.gaps & kCentred) != 0);
+    const auto out = folder.Path() / fmt::format("{}", static_cast<unsigned>(gap));
+    const auto written = Export(ring, {entry.format}, out);
+    EXPECT_EQ(written.has_value(), !refused) << entry.name << " " << gap << ": " << Message(written);
+    EXPECT_EQ(std::filesystem::exists(out), !refused) << entry.name << " " << gap;
+    if (refused && gap != kNeedsSize) {
+      EXPECT_EQ(written.error().code, ErrorCode::kUnsupported);
+      EXPECT_THAT(written.error().message, HasSubstr(std::string(entry.title)));
+    }
+  }
+}
+
+TEST_P(EveryFormat, HoldsUndistortedCamerasOnRequest) {
+  const FormatEntry& entry = GetParam();
+  const TemporaryFolder folder;
+  const auto out = folder.Path() / "out";
+  RigCalibration ring = WithDistortion(0.01);
+  const auto notes = Export(ring, {entry.format, true}, out);
+  ASSERT_TRUE(notes) << Message(notes);
+  EXPECT_THAT(*notes, Contains(HasSubstr("not the photographs")));
+  EXPECT_EQ(std::filesystem::exists(out / "undistort.yml"), (entry.gaps & (kOneFocalLength | kCentred)) != 0);
+  ring.cameras[0].skew_px = 1;  // cannot be undistorted away
+  EXPECT_EQ(Export(ring, {entry.format, true}, folder.Path() / "skewed").has_value(), (entry.gaps & kNoSkew) == 0);
+}
+
+TEST_P(EveryFormat, TakesThePlaceOfItsOwnExportAndOfNothingElse) {
+  const FormatEntry& entry = GetParam();
+  const TemporaryFolder folder;
+  const auto out = folder.Path() / "out";
+  EXPECT_EQ(Message(Export(PlainRing(), {entry.format}, out)), kNoError);
+  EXPECT_EQ(Message(Export(PlainRing(), {entry.format}, out)), kNoError);
+  const FormatEntry& other =
+      EntryOf(entry.format == ExportFormat::kOpenCv ? ExportFormat::kKalibr : ExportFormat::kOpenCv);
+  EXPECT_THAT(Message(Export(PlainRing(), {other.format}, out)), HasSubstr((folder.Path() / "out").string()));
+  const auto mine = folder.Write("mine", "cam0: by hand\n");
+  EXPECT_THAT(Message(Export(PlainRing(), {entry.format}, mine)), HasSubstr(mine.string()));
+  EXPECT_EQ(*ReadFile(mine), "cam0: by hand\n");
+  int left = 0;
+  for (const auto& file : std::filesystem::directory_iterator(folder.Path())) left += file.exists();
+  EXPECT_EQ(left, 2);  // "out" and "mine", nothing temporary
+}
+
+TEST_P(EveryFormat, WritesTheSameBytesAgain) {
+  const TemporaryFolder folder;
+  const RigCalibration ring = PlainRing();
+  const auto first = GetParam().files(ring), second = GetParam().files(ring);
+  ASSERT_TRUE(first && second);
+  EXPECT_EQ(*first, *second);
+}
+
+INSTANTIATE_TEST_SUITE_P(Table, EveryFormat, ::testing::ValuesIn(ExportFormats().begin(), ExportFormats().end()));
+
+TEST(Export, NamesTheWayOut) {
+  const TemporaryFolder folder;
+  for (ExportFormat format : {ExportFormat::kMiddlebury, ExportFormat::kPmvs, ExportFormat::kBundler}) {
+    EXPECT_THAT(Message(Export(WithDistortion(0.01), {format}, folder.Path() / "out")), HasSubstr("--undistorted"));
+  }
   EXPECT_THAT(Message(Export(ExampleRing(3), {ExportFormat::kOpenCv}, "/proc/rigcal/out.yml")),
               HasSubstr("/proc/rigcal"));
 }
 
+TEST(Export, NamesDoNotLeadOutOfTheFolder) {
+  const TemporaryFolder folder;
+  for (const char* name : {"../out.png", "/tmp/out.png", "a/../../out.png", "./out.png"}) {
+    RigCalibration ring = PlainRing();
+    ring.views[1].name = name;
+    ring.cameras[0].id = name;
+    for (ExportFormat format : {ExportFormat::kMrcal, ExportFormat::kRealityCapture, ExportFormat::kRos}) {
+      const auto written = Export(ring, {format}, folder.Path() / "in" / "out");
+      ASSERT_FALSE(written) << name;
+      EXPECT_EQ(written.error().code, ErrorCode::kUnsupported) << Message(written);
+    }
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder.Path()));
+  RigCalibration ring = PlainRing();
+  ring.views[1].name = "left/1.png";
+  ASSERT_EQ(Message(Export(ring, {ExportFormat::kMrcal}, folder.Path() / "out")), kNoError);
+  EXPECT_TRUE(std::filesystem::exists(folder.Path() / "out" / "left" / "1.cameramodel"));
+}
+
+TEST(Export, TwoImagesOfOneStemAreRefused) {
+  const TemporaryFolder folder;
+  RigCalibration ring = PlainRing();
+  ring.views[1].name = "ring_00.jpg";
+  for (ExportFormat format : {ExportFormat::kMrcal, ExportFormat::kRealityCapture})
+    EXPECT_THAT(Message(Export(ring, {format}, folder.Path() / "out")),
+                AllOf(HasSubstr("ring_00.jpg"), HasSubstr("ring_00.png")));
+}
+
+TEST(Export, KalibrNeedsCamerasThatAreFixedToEachOther) {
+  const TemporaryFolder folder;
+  RigCalibration studio = ExportExamples().at("no_k3");
+  EXPECT_EQ(Message(Export(studio, {ExportFormat::kKalibr}, folder.Path() / "rig")), kNoError);
+  RigCalibration unmounted = studio;
+  unmounted.rig->model.cam_from_mount[1].reset();
+  EXPECT_THAT(Message(Export(unmounted, {ExportFormat::kKalibr}, folder.Path() / "out")), HasSubstr("'right'"));
+  studio.rig.reset();
+  EXPECT_THAT(Message(Export(studio, {ExportFormat::kKalibr}, folder.Path() / "out")), HasSubstr("no rig"));
+  studio.views.resize(3);  // one picture of each camera
+  ASSERT_EQ(Message(Export(studio, {ExportFormat::kKalibr}, folder.Path() / "snapshot")), kNoError);
+  EXPECT_THAT(*ReadFile(folder.Path() / "snapshot"), HasSubstr("cam2:"));
+}
+
 TEST(Export, FormatNames) {
-  for (const char* name : {"middlebury", "colmap", "pmvs", "opencv"}) EXPECT_TRUE(ExportFormatFromName(name));
-  EXPECT_FALSE(ExportFormatFromName("bundler"));
+  for (const FormatEntry& entry : ExportFormats()) {
+    EXPECT_EQ(ExportFormatFromName(entry.name), entry.format);
+    EXPECT_EQ(&EntryOf(entry.format), &entry);
+  }
+  EXPECT_FALSE(ExportFormatFromName("nvm"));
+}
+
+TEST(Export, TheDocumentationHasTheTable) {
+  const Result<std::string> text = ReadFile(std::filesystem::path(RIGCAL_SCHEMA_DIR).parent_path() / "formats.md");
+  ASSERT_TRUE(text);
+  EXPECT_THAT(*text, HasSubstr(FormatTableText())) << "docs/formats.md is to have these rows";
 }
 
 }  // namespace

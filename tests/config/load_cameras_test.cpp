@@ -6,7 +6,7 @@
 #include "config/calibration_file.h"
 #include "config/middlebury.h"
 #include "core/base/random.h"
-#include "tests/config/example_rig.h"
+#include "tests/config/example_rigged.h"
 #include "tests/config/refusals.h"
 #include "tests/config/temporary_folder.h"
 
@@ -94,6 +94,22 @@ TEST(LoadMiddlebury, UnchangedSharesCamerasOnlyWhereTheyAreTheSame) {
   ASSERT_EQ(kept->calibration.NumCameras(), 2);
   EXPECT_EQ(kept->calibration.CameraOf(1).cy_px, 240.5);
   EXPECT_EQ(kept->calibration.CameraOf(1).skew_px, 3);
+}
+
+TEST(LoadCalibration, UnchangedTakesItAsItStands) {
+  const TemporaryFolder folder;
+  RigCalibration rigged = ExampleRigged();
+  rigged.views.pop_back();  // "right" has a place in the rig and no view
+  const std::string text = CalibrationText(rigged, {});
+  const auto path = folder.Write("calibration.json", text);
+  const auto loaded = LoadCamerasUnchanged(path);
+  ASSERT_TRUE(loaded) << Message(loaded);
+  EXPECT_EQ(CalibrationText(loaded->calibration, {}), CalibrationText(ParseCalibration(text, "")->calibration, {}));
+  EXPECT_EQ(loaded->calibration.NumCameras(), 2);
+  EXPECT_TRUE(loaded->calibration.rig);
+  const auto regrouped = LoadCamerasUnchanged(path, {.camera_from_name = "(ring)"});
+  ASSERT_TRUE(regrouped) << Message(regrouped);
+  EXPECT_FALSE(regrouped->calibration.rig);  // its cameras are others
 }
 
 TEST(LoadMiddlebury, ARecordingTellsPhysicalCameras) {

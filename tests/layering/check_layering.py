@@ -20,11 +20,12 @@ MAY_INCLUDE = {
     "core/rig": TYPES,
     **{stage: TYPES | {"core/rig"} for stage in STAGES},
     "drivers": CORE,
-    "config": CORE,
+    "config": CORE | {"config/formats"},
+    "config/formats": TYPES,
     "sim_fixtures": TYPES,
-    "daemon": CORE | {"drivers", "config"},
-    "daemon/cli": CORE | {"drivers", "config", "daemon", "sim_fixtures"},
-    "tests": CORE | {"drivers", "config", "daemon", "daemon/cli", "sim_fixtures", "tests/support"},
+    "daemon": CORE | {"drivers", "config", "config/formats"},
+    "daemon/cli": CORE | {"drivers", "config", "config/formats", "daemon", "sim_fixtures"},
+    "tests": CORE | {"drivers", "config", "config/formats", "daemon", "daemon/cli", "sim_fixtures", "tests/support"},
 }
 # vendor header -> folders that may include it
 VENDOR_HOMES = {
@@ -39,7 +40,7 @@ VENDOR_HOMES = {
     r"CLI/": {"daemon/cli"},
     r"toml\+\+": {"config"},
     r"hpdf": {"config"},
-    r"nlohmann/": {"config", "daemon", "daemon/cli", "sim_fixtures"},
+    r"nlohmann/": {"config", "config/formats", "daemon", "daemon/cli", "sim_fixtures"},
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s+["<]([^">]+)[">]', re.M)
 
@@ -79,6 +80,7 @@ def self_test():
         ("core/mvs/a.cpp", "#include <ceres/ceres.h>"),
         ("config/a.cpp", '#include "daemon/calibration_run.h"'),
         ("core/scene/a.h", '#include "sim_fixtures/studio.h"'),
+        ("config/formats/a.cpp", '#include "config/read_file.h"'),
     ]
     fine = [
         ("core/mvs/a.cpp", '#include "core/scene/patch.h"'),
