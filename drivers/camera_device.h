@@ -11,12 +11,20 @@
 
 namespace rigcal {
 
+/// A picture's file where there is one already.
+struct PictureFile {
+  std::string name;   ///< relative to its recording's folder
+  std::string bytes;  ///< as it is encoded
+};
+
 /// One picture as a camera gave it: whole, or it would be an Error.
 struct CapturedPicture {
   cv::Mat pixels;  ///< CV_8U or CV_16U at full scale of its depth; 1 channel, or 3 (BGR)
   /// Counts the camera's pictures since it was opened; two pictures never share one.
   std::uint64_t number = 0;
   std::optional<double> exposure_us, gain_db, temperature_celsius;
+  std::optional<std::string> taken_at;  ///< ISO 8601, UTC, where the device knows better than the machine's clock
+  std::optional<PictureFile> file;      ///< kept as it is instead of being encoded anew (replay)
 };
 
 /// One physical camera, opened and set as its CameraSettings say. Used by one thread. Closed when destroyed, and free
