@@ -40,6 +40,9 @@ class CameraDevice {
   /// As a recording names it: id, size, and what the device tells of itself.
   [[nodiscard]] virtual const RecordedCamera& Identity() const = 0;
 
+  /// Whether its pixel values are proportional to the light, as they are unless a camera's gamma is on.
+  [[nodiscard]] virtual bool Linear() const { return true; }
+
   /// Forgets every picture that is still under way and makes the camera ready for one shot; a picture that was
   /// triggered before is never taken for the next one.
   virtual Result<void> MakeReady(const std::stop_token& stop) = 0;

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <stop_token>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -30,6 +31,8 @@ struct AcquisitionPlan {
   std::vector<PlannedStop> stops;
   double settle_s = 0;       ///< after each move, and before a picture is taken again
   CaptureSettings settings;  ///< its stops are not looked at
+  /// The time, ISO 8601 in UTC, for pictures whose camera does not tell when they were taken; empty: it is not noted.
+  std::function<std::string()> utc_now;
 };
 
 /// A good picture, and where the positioner stood.

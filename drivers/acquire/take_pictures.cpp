@@ -21,11 +21,13 @@ Result<PictureTaker::Shot> PictureTaker::Shoot(const std::vector<int>& cameras, 
   };
   const std::vector<int> ready = each(cameras, [&](int c) { return devices_.cameras[c]->MakeReady(stop); });
   const std::vector<int> fired = each(ready, [&](int c) { return devices_.cameras[c]->Fire(); });
+  const std::string fired_at = plan_.utc_now ? plan_.utc_now() : "";
   const double end_s = devices_.clock->NowS() + plan_.settings.picture_s;
   each(fired, [&](int c) -> Result<void> {
     const double left_s = std::max(0.0, end_s - devices_.clock->NowS());
     Result<CapturedPicture> picture = devices_.cameras[c]->Collect(left_s, stop);
     if (!picture) return Fail(picture.error());
+    if (!picture->taken_at && !fired_at.empty()) picture->taken_at = fired_at;
     shot.pictures.emplace_back(c, std::move(*picture));
     return {};
   });
@@ -79,7 +81,9 @@ Result<void> PictureTaker::Take(const std::string& stop_id, const std::vector<in
     std::ranges::sort(wanted);
   }
   if (wanted.empty()) return {};
-  return Fail(ErrorCode::kDevice, "stop '{}': {}, also after {} retakes", stop_id, reason, plan_.settings.retakes);
+  const int retakes = plan_.settings.retakes;
+  return Fail(ErrorCode::kDevice, "stop '{}': {}{}", stop_id, reason,
+              retakes > 0 ? fmt::format(", also after {} retakes", retakes) : "");
 }
 
 }  // namespace rigcal

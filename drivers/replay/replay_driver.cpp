@@ -16,6 +16,8 @@ class ReplayCamera final : public CameraDevice {
 
   [[nodiscard]] const RecordedCamera& Identity() const override { return rig_->Content().cameras[camera_]; }
 
+  [[nodiscard]] bool Linear() const override { return rig_->Content().linear; }
+
   Result<void> MakeReady(const std::stop_token& stop) override {
     fired_at_.reset();
     if (stop.stop_requested()) return Stopped();

@@ -83,6 +83,7 @@ Result<std::shared_ptr<SimRig>> MakeSimRig(const RigHardware& rig, const DriverC
   Result<sim::Studio> studio = sim::MakeStudio(*options, {});
   if (!studio) return Fail(studio.error());
   sim::ShotOptions shot;
+  shot.sensor.linear = true;  // as machine-vision cameras are
   shot.sensor.blur_sigma_px = rig.sim.blur_sigma_px;
   shot.sensor.noise_sigma = rig.sim.noise_sigma;
   return std::make_shared<SimRig>(std::move(*studio), shot, *context.clock);

@@ -259,6 +259,18 @@ TEST_F(AcquireTest, TellsHowTheTimeWasSpent) {
   EXPECT_NEAR(outcome->times.storing_s, kDisk_s, 1e-9);
 }
 
+TEST_F(AcquireTest, NotesWhenAPictureWasFired) {
+  plan_.utc_now = [&] { return fmt::format("at {:.1f} s", clock_.NowS()); };
+  std::vector<std::string> times;
+  store_ = [&](const TakenPicture& taken) -> Result<void> {
+    times.push_back(taken.picture.taken_at.value_or("none"));
+    return {};
+  };
+  plan_.stops.resize(1);
+  ASSERT_TRUE(Run());
+  EXPECT_THAT(times, ElementsAre("at 2.5 s", "at 2.5 s"));
+}
+
 TEST_F(AcquireTest, WithoutAPositionerThereIsOneStop) {
   plan_.stops.resize(1);
   const auto outcome = Acquire({{&left_, &right_}, nullptr, &clock_}, plan_, store_, {}, {});

@@ -17,8 +17,11 @@ cv::Mat TexturedPicture(int seed) {
   return picture;
 }
 
-ScriptedCamera::ScriptedCamera(std::string id, FakeClock& clock, std::vector<std::string>& log)
-    : identity_{.id = std::move(id), .width_px = 64, .height_px = 48}, clock_(clock), log_(log) {}
+ScriptedCamera::ScriptedCamera(std::string id, FakeClock& clock, std::vector<std::string>& log,
+                               std::string pixel_format)
+    : identity_{.id = std::move(id), .width_px = 64, .height_px = 48, .pixel_format = std::move(pixel_format)},
+      clock_(clock),
+      log_(log) {}
 
 Result<void> ScriptedCamera::Answers() {
   if (clock_.NowS() >= gone_from_s && clock_.NowS() < gone_until_s) connected_ = false;

@@ -22,16 +22,18 @@ cv::Mat TexturedPicture(int seed);
 /// A camera that does what the test says, and writes down what it was asked ("fire left").
 class ScriptedCamera final : public CameraDevice {
  public:
-  ScriptedCamera(std::string id, FakeClock& clock, std::vector<std::string>& log);
+  ScriptedCamera(std::string id, FakeClock& clock, std::vector<std::string>& log, std::string pixel_format = "Mono8");
 
   std::map<int, ShotKind> script;                                ///< by shot from 0; good where nothing is said
   double gone_from_s = std::numeric_limits<double>::infinity();  ///< does not answer, until it is
   double gone_until_s = std::numeric_limits<double>::infinity();
   int throws_at_shot = -1;  ///< collecting this one throws
   int seed = 0;             ///< of its pictures: TexturedPicture(seed + shot)
+  bool linear = true;
   static constexpr double kExposure_s = 0.1;
 
   [[nodiscard]] const RecordedCamera& Identity() const override { return identity_; }
+  [[nodiscard]] bool Linear() const override { return linear; }
   Result<void> MakeReady(const std::stop_token& stop) override;
   Result<void> Fire() override;
   Result<CapturedPicture> Collect(double timeout_s, const std::stop_token& stop) override;

@@ -49,7 +49,7 @@ SharedSim& Shared() {
 /// What is before the reference's camera at one of its stops, exposed without noise.
 cv::Mat Reference(int camera, int stop) {
   const auto view = sim::RenderView(*Shared().reference, camera * 8 + stop, sim::ShotOptions().samples_per_side, {});
-  return sim::Expose(view->radiance, {.noise_sigma = 0}, 0);
+  return sim::Expose(view->radiance, {.noise_sigma = 0, .linear = true}, 0);
 }
 
 class SimCameraPeer final : public CameraPeer {
