@@ -50,8 +50,8 @@ class CameraDevice {
   /// Takes the picture (software trigger); returns without waiting for it. With a hardware trigger it does nothing.
   virtual Result<void> Fire() = 0;
 
-  /// The picture of this shot. Errors: kTimeout after timeout_s; kDevice: connection lost, or the picture came
-  /// incomplete (it is dropped, never handed out).
+  /// The picture of this shot; one that has come already is given whatever timeout_s. Errors: kTimeout after timeout_s;
+  /// kDevice: connection lost, or the picture came incomplete (it is dropped, never handed out).
   virtual Result<CapturedPicture> Collect(double timeout_s, const std::stop_token& stop) = 0;
 
   /// Brings back a camera that failed: connects again with growing pauses for up to timeout_s. Leaves one that is well

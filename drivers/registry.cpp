@@ -14,7 +14,8 @@ namespace {
 struct DriverEntry {
   std::string_view name;
   bool real;  ///< hardware, as opposed to something that plays it
-  Result<std::unique_ptr<Driver>> (*make)(const RigHardware& rig, const DriverContext& context);
+  Result<std::unique_ptr<Driver>> (*make)(const RigHardware& rig, const DriverContext& context,
+                                          const std::stop_token& stop);
 };
 
 constexpr std::array kDrivers = {
@@ -25,7 +26,8 @@ constexpr std::array kDrivers = {
 /// The drivers of one rig, each made when its first device is opened.
 class RigDrivers {
  public:
-  RigDrivers(const RigHardware& rig, const DriverContext& context) : rig_(rig), context_(context) {}
+  RigDrivers(const RigHardware& rig, const DriverContext& context, const std::stop_token& stop)
+      : rig_(rig), context_(context), stop_(stop) {}
 
   /// `of` says in messages whose driver it is.
   Result<Driver*> Find(const std::string& name, const std::string& of, bool& real) {
@@ -37,7 +39,7 @@ class RigDrivers {
     real = real || entry->real;
     std::unique_ptr<Driver>& driver = drivers_[name];
     if (!driver) {
-      Result<std::unique_ptr<Driver>> made = entry->make(rig_, context_);
+      Result<std::unique_ptr<Driver>> made = entry->make(rig_, context_, stop_);
       if (!made) return Fail(made.error());
       driver = std::move(*made);
     }
@@ -47,6 +49,7 @@ class RigDrivers {
  private:
   const RigHardware& rig_;
   const DriverContext& context_;
+  const std::stop_token& stop_;
   std::map<std::string, std::unique_ptr<Driver>> drivers_;
 };
 
@@ -59,7 +62,7 @@ std::vector<std::string> DriverNames() {
 }
 
 Result<OpenedRig> OpenRig(const RigHardware& rig, const DriverContext& context, const std::stop_token& stop) {
-  RigDrivers drivers(rig, context);
+  RigDrivers drivers(rig, context, stop);
   OpenedRig opened;
   for (const CameraSettings& settings : rig.cameras) {
     const Result<Driver*> driver = drivers.Find(settings.driver, fmt::format("camera '{}'", settings.id), opened.real);

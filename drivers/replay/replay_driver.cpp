@@ -134,7 +134,8 @@ class ReplayDriver final : public Driver {
 
 }  // namespace
 
-Result<std::unique_ptr<Driver>> MakeReplayDriver(const RigHardware& rig, const DriverContext& context) {
+Result<std::unique_ptr<Driver>> MakeReplayDriver(const RigHardware& rig, const DriverContext& context,
+                                                 const std::stop_token& /*stop*/) {
   Ensure(context.clock != nullptr && context.open_recording != nullptr, "a replay needs a clock and its recording");
   if (rig.replay.recording.empty()) {
     return Fail(ErrorCode::kBadInput, "the rig has devices of the driver replay, but names no recording for them");

@@ -76,11 +76,12 @@ class SimDriver final : public Driver {
 
 }  // namespace
 
-Result<std::shared_ptr<SimRig>> MakeSimRig(const RigHardware& rig, const DriverContext& context) {
+Result<std::shared_ptr<SimRig>> MakeSimRig(const RigHardware& rig, const DriverContext& context,
+                                           const std::stop_token& stop) {
   Ensure(context.clock != nullptr, "a simulated studio needs a clock");
   const Result<sim::StudioOptions> options = StudioOptionsOf(rig.sim, context);
   if (!options) return Fail(options.error());
-  Result<sim::Studio> studio = sim::MakeStudio(*options, {});
+  Result<sim::Studio> studio = sim::MakeStudio(*options, {.stop = stop});
   if (!studio) return Fail(studio.error());
   sim::ShotOptions shot;
   shot.sensor.linear = true;  // as machine-vision cameras are
@@ -93,8 +94,9 @@ std::unique_ptr<Driver> DriverOf(std::shared_ptr<SimRig> sim, const RigHardware&
   return std::make_unique<SimDriver>(std::move(sim), rig);
 }
 
-Result<std::unique_ptr<Driver>> MakeSimDriver(const RigHardware& rig, const DriverContext& context) {
-  Result<std::shared_ptr<SimRig>> sim = MakeSimRig(rig, context);
+Result<std::unique_ptr<Driver>> MakeSimDriver(const RigHardware& rig, const DriverContext& context,
+                                              const std::stop_token& stop) {
+  Result<std::shared_ptr<SimRig>> sim = MakeSimRig(rig, context, stop);
   if (!sim) return Fail(sim.error());
   return DriverOf(std::move(*sim), rig);
 }

@@ -70,7 +70,7 @@ struct Replay {
   explicit Replay(Recording recording = TableRecording(), bool at_recorded_speed = false) {
     DriverContext context{.clock = &clock};
     context.open_recording = [&](const std::string&) -> Result<RecordedPictures> { return Open(recording); };
-    driver = *MakeReplayDriver(Rig(at_recorded_speed), context);
+    driver = *MakeReplayDriver(Rig(at_recorded_speed), context, {});
     positioner = *driver->OpenPositioner(Rig(false).positioner, {});
   }
   Result<CapturedPicture> Shoot(CameraDevice& camera, int stop) {
@@ -204,7 +204,7 @@ TEST(Replay, RefusesWhatItCannotStandFor) {
   Recording recording = TableRecording();
   context.open_recording = [&](const std::string&) -> Result<RecordedPictures> { return Open(recording); };
   RigHardware rig = Rig(false);
-  const auto driver = *MakeReplayDriver(rig, context);
+  const auto driver = *MakeReplayDriver(rig, context, {});
   rig.cameras[0].id = "middle";
   EXPECT_EQ(driver->OpenCamera(rig.cameras[0], {}).error().code, ErrorCode::kNotFound);
   rig.cameras[1].serial = "S3";
@@ -212,9 +212,9 @@ TEST(Replay, RefusesWhatItCannotStandFor) {
   rig.positioner.axes.front().name = "z";
   EXPECT_EQ(driver->OpenPositioner(rig.positioner, {}).error().code, ErrorCode::kBadInput);
   rig.replay.recording.clear();
-  EXPECT_EQ(MakeReplayDriver(rig, context).error().code, ErrorCode::kBadInput);
+  EXPECT_EQ(MakeReplayDriver(rig, context, {}).error().code, ErrorCode::kBadInput);
   recording.views.front().stop.reset();
-  EXPECT_EQ(MakeReplayDriver(Rig(false), context).error().code, ErrorCode::kUnsupported);
+  EXPECT_EQ(MakeReplayDriver(Rig(false), context, {}).error().code, ErrorCode::kUnsupported);
 }
 
 }  // namespace

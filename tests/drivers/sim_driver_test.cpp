@@ -38,7 +38,7 @@ struct SharedSim {
 SharedSim& Shared() {
   static SharedSim* const shared = [] {
     auto* made = new SharedSim{};
-    made->rig = *MakeSimRig(SmallRig(), {.clock = &made->clock});
+    made->rig = *MakeSimRig(SmallRig(), {.clock = &made->clock}, {});
     made->reference =
         *sim::MakeStudio({.num_cameras = 2, .num_stops = 8, .width_px = kWidth_px, .height_px = kHeight_px}, {});
     return made;
@@ -138,7 +138,7 @@ TEST(SimDriver, AnAttemptChangesTheNoiseAndNothingElse) {
   FakeClock clock;
   RigHardware rig = SmallRig();
   rig.sim.noise_sigma = 2;
-  const auto sim = MakeSimRig(rig, {.clock = &clock});
+  const auto sim = MakeSimRig(rig, {.clock = &clock}, {});
   ASSERT_TRUE(sim);
   const cv::Mat first = *(*sim)->Picture(0, kPlaceStep_rad, 0, 8, {});
   const cv::Mat again = *(*sim)->Picture(0, kPlaceStep_rad, 0, 8, {});
@@ -184,6 +184,20 @@ TEST(Registry, RefusesADriverThatItHasNot) {
   ASSERT_FALSE(opened);
   EXPECT_EQ(opened.error().code, ErrorCode::kBadInput);
   EXPECT_THAT(opened.error().message, HasSubstr("camera 'left': there is no driver 'webcam'"));
+}
+
+TEST(SimDriver, AChartToBeSeenIsABoardOnTheTable) {
+  FakeClock clock;
+  DriverContext context{.clock = &clock, .subject = Subject::kChart};
+  const auto without = MakeSimRig(SmallRig(), context, {});
+  ASSERT_FALSE(without);
+  EXPECT_EQ(without.error().code, ErrorCode::kBadInput);
+  context.board = Board{.family = "tag36h11", .columns = 2, .rows = 2, .tag_m = 0.05, .gap_m = 0.02};
+  const auto with = MakeSimRig(SmallRig(), context, {});
+  ASSERT_TRUE(with) << with.error().message;
+  const Result<cv::Mat> picture = (*with)->Picture(0, 0, 0, 8, {});
+  ASSERT_TRUE(picture);
+  EXPECT_GT(cv::norm(*picture, Reference(0, 0), cv::NORM_INF), 50) << "the object is still there";
 }
 
 TEST(SimDriver, RefusesMoreCamerasThanTheStudioHas) {
