@@ -155,7 +155,16 @@ def stopped_by_a_signal(bench):
 
 def bad_input(bench):
     (bench.root / "none.toml").write_text('[positioner]\nkind = "turntable"\n')
-    for name, words, parts in (("no cameras", ["--rig", bench.root / "none.toml"], ["[[camera]]"]),
+    (bench.root / "by_hand.toml").write_text('[positioner]\nkind = "turntable"\n[stops]\ncount = 4\n[sim]\n')
+    (bench.root / "no_stops.toml").write_text('[positioner]\nkind = "turntable"\ndriver = "sim"\n[sim]\n')
+    (bench.root / "gantry.toml").write_text('[positioner]\nkind = "gantry"\ncarries = "cameras"\naxes = ["x", "z"]\n'
+                                            'driver = "sim"\n[stops]\npositions_m = [[0, 0.1]]\n[sim]\n')
+    for name, words, parts in (("stops without a driver", ["--rig", bench.root / "by_hand.toml"], ["by_hand.toml", "4 stops"]),
+                               ("no stops", ["--rig", bench.root / "no_stops.toml"], ["no_stops.toml", "[stops]"]),
+                               ("stops of two axes", ["--rig", bench.root / "gantry.toml", "--stops", "1,2"], ["2 axes"]),
+                               ("no such machine", ["--rig", bench.root / "gantry.toml"], ["turntable with one axis"]),
+                               ("no board", ["--rig", bench.rig, "--what", "chart"], ["names no board"]),
+                               ("no cameras", ["--rig", bench.root / "none.toml"], ["[[camera]]"]),
                                ("no recording", ["--replay", bench.root / "nowhere"], ["nowhere", "no such file"]),
                                ("neither", [], ["--rig"])):
         done = bench.capture(*words, "--out", bench.root / "bad")

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <condition_variable>
 #include <mutex>
 #include <stdexcept>
@@ -159,7 +160,16 @@ TEST_F(AcquireTest, APictureThatStaysBadEndsItWithTheNumberAndTheLimit) {
   EXPECT_EQ(error.code, ErrorCode::kDevice);
   EXPECT_THAT(error.message, HasSubstr("stop '02': camera 'right': 75 % of the pixels are saturated (limit 50 %)"));
   EXPECT_THAT(error.message, HasSubstr("2 retakes"));
+  EXPECT_EQ(std::ranges::count(log_, "fire right"), 5);
   EXPECT_THAT(stored_, ElementsAre("0 00", "1 00", "0 01", "1 01", "0 02"));
+}
+
+TEST_F(AcquireTest, AllPicturesOfAStopHaveOneTimeToCome) {
+  left_.script[0] = right_.script[0] = ShotKind::kMissing;
+  plan_.settings.retakes = 0;
+  EXPECT_EQ(FailureOf().code, ErrorCode::kDevice);
+  const double stop_s = 2 * ScriptedPositioner::kMove_s + kSettle_s;
+  EXPECT_NEAR(clock_.NowS(), stop_s + plan_.settings.picture_s, 1e-9);
 }
 
 TEST_F(AcquireTest, StoresWhileTheTableMoves) {

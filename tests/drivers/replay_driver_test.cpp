@@ -67,8 +67,9 @@ RigHardware Rig(bool at_recorded_speed) {
 
 /// A replay with its clock.
 struct Replay {
-  explicit Replay(Recording recording = TableRecording(), bool at_recorded_speed = false) {
-    DriverContext context{.clock = &clock};
+  explicit Replay(Recording recording = TableRecording(), bool at_recorded_speed = false,
+                  Subject subject = Subject::kObject) {
+    DriverContext context{.clock = &clock, .subject = subject};
     context.open_recording = [&](const std::string&) -> Result<RecordedPictures> { return Open(recording); };
     driver = *MakeReplayDriver(Rig(at_recorded_speed), context, {});
     positioner = *driver->OpenPositioner(Rig(false).positioner, {});
@@ -171,6 +172,19 @@ TEST(Replay, AViewThatTheRecordingLacksIsAnErrorThatNamesIt) {
   EXPECT_EQ(missing.error().code, ErrorCode::kDevice);
   EXPECT_THAT(missing.error().message,
               HasSubstr("camera 'right': the recording 'night' has no picture of it at stop '02'"));
+}
+
+TEST(Replay, ShowsTheSubjectThatIsAskedFor) {
+  Recording both = TableRecording();
+  const int chart_view = static_cast<int>(both.views.size());
+  RecordedView chart = both.views[ViewOf(0, 1)];
+  chart.subject = Subject::kChart;
+  both.views.push_back(chart);
+  Replay object(both), of_chart(both, false, Subject::kChart);
+  const auto sees_object = *object.driver->OpenCamera(Rig(false).cameras[0], {});
+  const auto sees_chart = *of_chart.driver->OpenCamera(Rig(false).cameras[0], {});
+  EXPECT_EQ(object.Shoot(*sees_object, 1)->file->bytes, fmt::format("{}", ViewOf(0, 1)));
+  EXPECT_EQ(of_chart.Shoot(*sees_chart, 1)->file->bytes, fmt::format("{}", chart_view));
 }
 
 TEST(Replay, AStopThatTheRecordingLacksIsAnError) {
