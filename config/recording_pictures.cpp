@@ -7,19 +7,25 @@
 
 namespace rigcal {
 
-Result<cv::Mat> LoadRecordedPicture(const std::filesystem::path& folder, const Recording& recording, int view) {
+Result<RecordedFile> LoadRecordedFile(const std::filesystem::path& folder, const Recording& recording, int view) {
   const RecordedView& recorded = recording.views.at(view);
   const std::string path = (folder / recorded.file).string();
-  const Result<std::string> bytes = ReadFile(path);
+  Result<std::string> bytes = ReadFile(path);
   if (!bytes) return Fail(bytes.error());
   if (Result<void> same = CheckSha256(Sha256Hex(*bytes), recorded.sha256, path); !same) return Fail(same.error());
   Result<cv::Mat> picture = DecodeImage(*bytes, path);
-  if (!picture) return picture;
+  if (!picture) return Fail(picture.error());
   const RecordedCamera& camera = recording.cameras.at(recorded.camera);
   if (picture->cols != camera.width_px || picture->rows != camera.height_px)
     return Fail(ErrorCode::kBadInput, "{}: the image is {} x {} px, its camera '{}' is {} x {} px", path, picture->cols,
                 picture->rows, camera.id, camera.width_px, camera.height_px);
-  return picture;
+  return RecordedFile{std::move(*bytes), std::move(*picture)};
+}
+
+Result<cv::Mat> LoadRecordedPicture(const std::filesystem::path& folder, const Recording& recording, int view) {
+  Result<RecordedFile> file = LoadRecordedFile(folder, recording, view);
+  if (!file) return Fail(file.error());
+  return std::move(file->pixels);
 }
 
 Result<RecordedObject> LoadRecordedObject(const std::filesystem::path& folder) {

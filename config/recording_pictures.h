@@ -12,8 +12,17 @@
 
 namespace rigcal {
 
-/// The picture of a view as DecodeImage gives it: there, unchanged since it was recorded, of its camera's size. Errors:
-/// kNotFound, kIo, kBadInput, kUnsupported.
+/// A picture's file and what is in it.
+struct RecordedFile {
+  std::string bytes;
+  cv::Mat pixels;  ///< as DecodeImage gives it
+};
+
+/// The picture of a view: there, unchanged since it was recorded, of its camera's size. Errors: kNotFound, kIo,
+/// kBadInput, kUnsupported.
+Result<RecordedFile> LoadRecordedFile(const std::filesystem::path& folder, const Recording& recording, int view);
+
+/// Its pixels alone.
 Result<cv::Mat> LoadRecordedPicture(const std::filesystem::path& folder, const Recording& recording, int view);
 
 /// The object's pictures (subject object or both) of a recording, by the names that views of cameras have: their files.

@@ -63,6 +63,7 @@ struct CaptureSettings {
   double max_saturated = 0.5;              ///< share of saturated pixels
   double min_brightness = 0.01;            ///< mean of the brightest hundredth of the pixels, share of full scale
   double min_sharpness = 0.3;              ///< against the same camera's last good picture; lower is blurred
+  bool refuse_identical = true;            ///< the same picture twice in a row is that of a camera that hangs
   std::vector<std::vector<double>> stops;  ///< one value per axis, radians or metres
 };
 

@@ -25,6 +25,7 @@ void AddCompareCommand(CLI::App& app, CommandSession& session);
 void AddExportCommand(CLI::App& app, CommandSession& session);
 void AddRecordingCommand(CLI::App& app, CommandSession& session);
 void AddRigCommand(CLI::App& app, CommandSession& session);
+void AddCaptureCommand(CLI::App& app, CommandSession& session);
 void AddSeedCommand(CLI::App& app, CommandSession& session);
 void AddChartCommand(CLI::App& app, CommandSession& session);
 void AddHistoryCommands(CLI::App& app, CommandSession& session);

@@ -58,6 +58,7 @@ int Main(int argc, char** argv) {
   AddExportCommand(app, session);
   AddRecordingCommand(app, session);
   AddRigCommand(app, session);
+  AddCaptureCommand(app, session);
   AddSeedCommand(app, session);
   AddChartCommand(app, session);
   AddHistoryCommands(app, session);

@@ -11,6 +11,7 @@ import sys
 TYPES = {"core/base", "core/geometry", "core/image", "core/scene"}
 STAGES = {"core/seed", "core/mvs", "core/match", "core/adjust", "core/validate"}
 CORE = TYPES | STAGES | {"core/rig"}
+DEVICE_DRIVERS = {"drivers/" + name for name in ("genicam", "usb", "linuxcnc", "grbl", "arm", "replay", "sim")}
 # folder -> folders of this project that its files may include (its own is always allowed)
 MAY_INCLUDE = {
     "core/base": set(),
@@ -19,13 +20,17 @@ MAY_INCLUDE = {
     "core/scene": {"core/base", "core/geometry", "core/image"},
     "core/rig": TYPES,
     **{stage: TYPES | {"core/rig"} for stage in STAGES},
-    "drivers": CORE,
+    "drivers": CORE | DEVICE_DRIVERS,  # the registry names them all
+    **{driver: CORE | {"drivers"} for driver in DEVICE_DRIVERS},
+    "drivers/sim": CORE | {"drivers", "sim_fixtures"},
+    "drivers/acquire": CORE | {"drivers"},
     "config": CORE | {"config/formats"},
     "config/formats": TYPES,
     "sim_fixtures": TYPES,
-    "daemon": CORE | {"drivers", "config", "config/formats"},
-    "daemon/cli": CORE | {"drivers", "config", "config/formats", "daemon", "sim_fixtures"},
-    "tests": CORE | {"drivers", "config", "config/formats", "daemon", "daemon/cli", "sim_fixtures", "tests/support"},
+    "daemon": CORE | {"drivers", "drivers/acquire", "config", "config/formats"},
+    "daemon/cli": CORE | {"drivers", "drivers/acquire", "config", "config/formats", "daemon", "sim_fixtures"},
+    "tests": CORE | DEVICE_DRIVERS
+    | {"drivers", "drivers/acquire", "config", "config/formats", "daemon", "daemon/cli", "sim_fixtures", "tests/support"},
 }
 # vendor header -> folders that may include it
 VENDOR_HOMES = {
@@ -81,12 +86,20 @@ def self_test():
         ("config/a.cpp", '#include "daemon/calibration_run.h"'),
         ("core/scene/a.h", '#include "sim_fixtures/studio.h"'),
         ("config/formats/a.cpp", '#include "config/read_file.h"'),
+        ("drivers/replay/a.cpp", '#include "sim_fixtures/studio.h"'),
+        ("drivers/replay/a.cpp", '#include "config/recording_file.h"'),
+        ("drivers/grbl/a.cpp", '#include "drivers/linuxcnc/linuxcnc.h"'),
+        ("drivers/acquire/a.cpp", '#include "drivers/sim/sim_driver.h"'),
+        ("daemon/a.cpp", '#include "drivers/replay/replay_driver.h"'),
     ]
     fine = [
         ("core/mvs/a.cpp", '#include "core/scene/patch.h"'),
         ("core/adjust/a.cpp", "#include <ceres/ceres.h>"),
         ("daemon/cli/a.cpp", '#include "daemon/calibration_run.h"'),
         ("tests/mvs/a.cpp", '#include "sim_fixtures/studio.h"'),
+        ("drivers/sim/a.cpp", '#include "sim_fixtures/studio.h"'),
+        ("drivers/grbl/a.cpp", '#include "drivers/positioner_device.h"'),
+        ("daemon/a.cpp", '#include "drivers/acquire/acquire.h"'),
     ]
     wrong = [case for case in caught if not complaints(*case)] + [case for case in fine if complaints(*case)]
     for path, text in wrong:

@@ -1,0 +1,129 @@
+#include "daemon/capture_run.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "config/recording_check.h"
+#include "config/recording_file.h"
+#include "tests/config/temporary_folder.h"
+#include "tests/drivers/scripted_devices.h"
+
+namespace rigcal {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr std::uintmax_t kPicture_bytes = 64 * 48;
+
+/// Two cameras at a table with three stops.
+class CaptureRun : public ::testing::Test {
+ protected:
+  CaptureRun() {
+    right_.seed = 1000;
+    request_ = {.out = folder_.Path() / "set", .id = "night"};
+    for (int s = 0; s < 3; ++s) request_.plan.stops.push_back({{fmt::format("{:02}", s), {0.5 * s}}, {0, 1}});
+  }
+  Result<CaptureOutcome> Run() { return CaptureRecording({{&left_, &right_}, &table_, &clock_}, request_, {}, {}); }
+  [[nodiscard]] std::vector<std::string> Listed() const {
+    std::vector<std::string> listed;
+    const Result<Recording> recording = LoadRecording(request_.out);
+    for (const RecordedView& view : recording->views) listed.push_back(view.file);
+    return listed;
+  }
+
+  TemporaryFolder folder_;
+  FakeClock clock_;
+  std::vector<std::string> log_;
+  ScriptedCamera left_{"left", clock_, log_}, right_{"right/2", clock_, log_};
+  ScriptedPositioner table_{clock_, log_};
+  CaptureRequest request_;
+};
+
+TEST_F(CaptureRun, GivesAWholeRecording) {
+  const Result<CaptureOutcome> outcome = Run();
+  ASSERT_TRUE(outcome) << outcome.error().message;
+  const auto findings = CheckRecording(request_.out, {});
+  ASSERT_TRUE(findings);
+  EXPECT_THAT(findings->faults, IsEmpty());
+  EXPECT_THAT(findings->remarks, IsEmpty());
+  EXPECT_EQ(findings->recording.id, "night");
+  EXPECT_TRUE(findings->recording.linear);
+  EXPECT_EQ(findings->recording.stops[2].axes.front().commanded, 1.0);
+  EXPECT_THAT(Listed(), ElementsAre("left_00.png", "right_2_00.png", "left_01.png", "right_2_01.png", "left_02.png",
+                                    "right_2_02.png"));
+}
+
+TEST_F(CaptureRun, WithoutRoomOnTheDiskNothingBegins) {
+  const std::uintmax_t needed = 6 * kPicture_bytes + kReserve_bytes;
+  request_.free_bytes = [&](const std::filesystem::path&) { return Result<std::uintmax_t>(needed - 1); };
+  const Result<CaptureOutcome> outcome = Run();
+  ASSERT_FALSE(outcome);
+  EXPECT_EQ(outcome.error().code, ErrorCode::kDiskFull);
+  EXPECT_THAT(outcome.error().message, HasSubstr(fmt::format("{} bytes are free", needed - 1)));
+  EXPECT_THAT(outcome.error().message, HasSubstr(fmt::format("6 pictures need {}", needed)));
+  EXPECT_THAT(log_, IsEmpty());
+  EXPECT_FALSE(std::filesystem::exists(request_.out));
+  request_.free_bytes = [&](const std::filesystem::path&) { return Result<std::uintmax_t>(needed); };
+  EXPECT_TRUE(Run());
+}
+
+TEST_F(CaptureRun, AnInterruptedOneIsKeptAndResumed) {
+  table_.failing_stop = "01";
+  ASSERT_FALSE(Run());
+  EXPECT_FALSE(LoadRecording(request_.out)->closed);
+  EXPECT_THAT(Listed(), ElementsAre("left_00.png", "right_2_00.png"));
+  right_.script = {{2, ShotKind::kDark}, {3, ShotKind::kDark}, {4, ShotKind::kDark}};
+  table_.failing_stop.clear();
+  request_.resume = true;
+  ASSERT_FALSE(Run());
+  EXPECT_THAT(Listed(), ElementsAre("left_00.png", "right_2_00.png", "left_01.png", "right_2_01.png", "left_02.png"));
+  log_.clear();
+  const Result<CaptureOutcome> outcome = Run();
+  ASSERT_TRUE(outcome) << outcome.error().message;
+  EXPECT_THAT(log_, ElementsAre("home", "move 02", "ready right/2", "fire right/2", "collect right/2"));
+  EXPECT_EQ(outcome->acquisition.num_pictures, 1);
+  EXPECT_TRUE(outcome->recording.closed);
+  EXPECT_THAT(CheckRecording(request_.out, {})->faults, IsEmpty());
+}
+
+TEST_F(CaptureRun, ResumingNeedsTheSameCameras) {
+  table_.failing_stop = "01";
+  ASSERT_FALSE(Run());
+  request_.resume = true;
+  ScriptedCamera other("middle", clock_, log_);
+  const auto outcome = CaptureRecording({{&left_, &other}, &table_, &clock_}, request_, {}, {});
+  ASSERT_FALSE(outcome);
+  EXPECT_EQ(outcome.error().code, ErrorCode::kBadInput);
+  EXPECT_THAT(outcome.error().message, HasSubstr("'middle'"));
+}
+
+TEST_F(CaptureRun, CamerasAreOfOneKind) {
+  right_.linear = false;
+  const Result<CaptureOutcome> outcome = Run();
+  ASSERT_FALSE(outcome);
+  EXPECT_THAT(outcome.error().message, HasSubstr("'right/2'"));
+}
+
+TEST_F(CaptureRun, AFolderWithSomethingInItIsRefused) {
+  folder_.Write("set/notes.txt", "the operator's");
+  const Result<CaptureOutcome> outcome = Run();
+  ASSERT_FALSE(outcome);
+  EXPECT_EQ(outcome.error().code, ErrorCode::kBadInput);
+  EXPECT_THAT(log_, IsEmpty());
+}
+
+TEST(BytesNeeded, CountsChannelsAndDepth) {
+  FakeClock clock;
+  std::vector<std::string> log;
+  const std::pair<const char*, int> cases[] = {{"Mono8", 1}, {"Mono12", 2}, {"BayerRG8", 3}, {"BayerRG12", 6}, {"", 3}};
+  for (const auto& [format, bytes_per_pixel] : cases) {
+    ScriptedCamera camera("cam", clock, log, format);
+    const AcquisitionPlan plan{.stops = {{{"0", {}}, {0}}, {{"1", {}}, {0}}}};
+    EXPECT_EQ(BytesNeeded({{&camera}, nullptr, &clock}, plan), 2 * kPicture_bytes * bytes_per_pixel) << format;
+  }
+}
+
+}  // namespace
+}  // namespace rigcal
