@@ -39,8 +39,8 @@ constexpr int kMatchWindowPx = 9;
 constexpr double kSystematicSigmaPx = 0.015;
 /// Points that the motion between two rounds is measured on.
 constexpr std::size_t kNumMotionPoints = 500;
-/// The paper's share of features kept by sub-sampling (section 3.1: ten to twenty percent), and its blocks.
-constexpr int kPaperBlocksPerSide = 10;
+/// The paper's share of features kept by sub-sampling (section 3.1: ten to twenty percent).
+constexpr double kPaperKeptShare = 0.15;
 
 int CoarsestLevel(const ImageSet& images) {
   int coarsest = images.NumLevels() - 1;
@@ -139,7 +139,7 @@ MatchOptions MatchOptionsFor(const RefineState& state, const RefineOptions& opti
   match.random_seed = DeriveSeed(options.random_seed, static_cast<std::uint64_t>(state.round));
   if (options.method == RefineMethod::kPaper) {
     match.min_ncc = 0;
-    match.blocks_per_side = kPaperBlocksPerSide;
+    match.kept_share = kPaperKeptShare;
     match.min_features_per_view = 0;
   }
   return match;

@@ -37,13 +37,21 @@ std::vector<int> RanksInBlocks(const std::vector<Patch>& patches, const ViewGeom
   return ranks;
 }
 
+/// The share of the patches to keep; at least 1 for all.
+double ShareToKeep(const std::vector<Patch>& patches, const MatchOptions& options) {
+  double num_features = 0;
+  for (const Patch& patch : patches) num_features += static_cast<double>(patch.visible_views.size());
+  return std::min(options.kept_share, options.max_features / std::max(1.0, num_features));
+}
+
 }  // namespace
 
 std::vector<int> SubsamplePatches(const std::vector<Patch>& patches, const std::vector<ViewGeometry>& views,
                                   const ImageSet& images, const MatchOptions& options) {
   std::vector<int> kept(patches.size());
   std::iota(kept.begin(), kept.end(), 0);
-  if (options.blocks_per_side == 0 || patches.empty()) return kept;
+  const double share = ShareToKeep(patches, options);
+  if (share >= 1 || patches.empty()) return kept;
 
   std::vector<std::vector<int>> ranks;
   for (std::size_t v = 0; v < views.size(); ++v) {
@@ -56,7 +64,7 @@ std::vector<int> SubsamplePatches(const std::vector<Patch>& patches, const std::
     for (std::size_t i = 0; i < patches.size(); ++i) best_rank[i] = std::min(best_rank[i], of_view[i]);
   }
   std::vector<int> sorted = best_rank;
-  const auto wanted = static_cast<std::size_t>(std::ceil(options.kept_share * static_cast<double>(patches.size())));
+  const auto wanted = static_cast<std::size_t>(std::ceil(share * static_cast<double>(patches.size())));
   const std::size_t last = std::clamp<std::size_t>(wanted, 1, patches.size()) - 1;
   std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(last), sorted.end());
   std::vector<bool> keep(patches.size());

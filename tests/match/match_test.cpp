@@ -240,7 +240,6 @@ TEST(Match, SameTracksOnOneAndTwoThreads) {
 TEST(Match, SubsamplesByBlocksDownToTheFloor) {
   const std::vector<Patch> patches = test::PatchesOnPlane(3, 2.0, 40);  // 1600 in an area of 80 x 80 px
   MatchOptions options = OptionsAtLevel(0, 2.0);
-  options.blocks_per_side = 10;
   options.kept_share = 0.15;
   options.min_features_per_view = 10;
   const std::size_t by_share = MatchOk(Scene(), Scene().truth, patches, options).tracks.size();
@@ -250,6 +249,18 @@ TEST(Match, SubsamplesByBlocksDownToTheFloor) {
   const std::size_t by_floor = MatchOk(Scene(), Scene().truth, patches, options).tracks.size();
   EXPECT_GT(by_floor, 680u);
   EXPECT_LE(by_floor, 900u);
+}
+
+TEST(Match, KeepsFewerTracksWhereThereAreTooManyFeatures) {
+  const std::vector<Patch> patches = test::PatchesOnPlane(3, 2.0, 40);  // 1600, seen by all views
+  MatchOptions options = OptionsAtLevel(0, 2.0);
+  const std::size_t all = MatchOk(Scene(), Scene().truth, patches, options).tracks.size();
+  EXPECT_GT(all, 1500u);
+  options.max_features = 1600 * Scene().truth.NumViews() / 4;
+  options.min_features_per_view = 10;
+  const std::size_t kept = MatchOk(Scene(), Scene().truth, patches, options).tracks.size();
+  EXPECT_GT(kept, all / 5);
+  EXPECT_LT(kept, all / 3);
 }
 
 TEST(Match, StopsOnRequest) {
