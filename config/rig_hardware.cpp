@@ -3,24 +3,12 @@
 #include <arpa/inet.h>
 
 #include <algorithm>
-#include <charconv>
 
 #include "config/rig_axes.h"
+#include "core/base/socket_address.h"
 
 namespace rigcal {
 namespace {
-
-constexpr int kMostPort = 65535;
-
-/// HOST:PORT.
-bool IsSocketAddress(const std::string& address) {
-  const std::size_t colon = address.rfind(':');
-  if (colon == std::string::npos || colon == 0) return false;
-  const char* end = address.data() + address.size();
-  int port = 0;
-  const auto [last, error] = std::from_chars(address.data() + colon + 1, end, port);
-  return error == std::errc() && last == end && port > 0 && port <= kMostPort;
-}
 
 /// What the driver needs as its address; empty: none.
 std::string_view AddressOf(const std::string& driver) {
@@ -41,7 +29,7 @@ Result<void> CheckDriver(const CheckedTable& table, const PositionerSettings& de
   if (!needed.empty() && device.address.empty())
     return Fail(ErrorCode::kBadInput, "{} = \"{}\": positioner.address is missing, {}", table.Place("driver"), driver,
                 needed);
-  if (driver == "linuxcnc" && !IsSocketAddress(device.address))
+  if (driver == "linuxcnc" && !ParseSocketAddress(device.address, 1))
     return Fail(ErrorCode::kBadInput, "{} = \"{}\" must be {}, the port from 1 to {}", table.Place("address"),
                 device.address, needed, kMostPort);
   return {};
@@ -116,7 +104,7 @@ Result<PositionerSettings> ReadPositionerDevice(const CheckedTable& positioner, 
   positioner.Read("driver", device.driver);
   positioner.Read("address", device.address);
   if (auto checked = CheckDriver(positioner, device, kind); !checked) return Fail(checked.error());
-  if (device.driver == "arm" && !IsSocketAddress(device.address))
+  if (device.driver == "arm" && !ParseSocketAddress(device.address, kAnyPort))
     device.address = BesideRigFile(positioner.File(), device.address).string();
   Result<std::vector<AxisSettings>> read = ReadAxes(positioner, axes, kind, device.driver);
   if (!read) return Fail(read.error());

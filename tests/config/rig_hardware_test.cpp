@@ -237,7 +237,9 @@ TEST(RigHardware, RefusesTablesThatAreNotWrittenAsOne) {
 TEST(RigHardware, AnArmsFileOfPosesLiesBesideTheRigFile) {
   const std::string arm = "[positioner]\nkind = \"arm\"\ncarries = \"cameras\"\ndriver = \"arm\"\naddress = ";
   EXPECT_EQ(Parsed(arm + "\"poses.txt\"\n").positioner.address, "studio/poses.txt");
-  EXPECT_EQ(Parsed(arm + "\"0.0.0.0:5100\"\n").positioner.address, "0.0.0.0:5100");
+  for (const std::string listening : {"0.0.0.0:5100", "127.0.0.1:0", "[::1]:5100"}) {
+    EXPECT_EQ(Parsed(arm + "\"" + listening + "\"\n").positioner.address, listening);
+  }
 }
 
 TEST(RigHardware, AReplayNamesItsRecording) {
