@@ -88,15 +88,54 @@ std::optional<int> StopIndex(const Recording& recording, const std::string& id) 
   return static_cast<int>(stop - recording.stops.begin());
 }
 
+/// The cameras whose picture of the stop the recording lacks.
+std::vector<int> MissingAt(const std::string& stop_id, std::vector<int> cameras, const Recording& recording,
+                           Subject subject) {
+  const std::optional<int> stop = StopIndex(recording, stop_id);
+  std::erase_if(cameras, [&](int camera) {
+    return stop && std::ranges::any_of(recording.views, [&](const RecordedView& view) {
+             return view.camera == camera && view.stop == stop && view.subject == subject;
+           });
+  });
+  return cameras;
+}
+
+/// An arm that comes to a stop of the recording again is where it was.
+Result<void> CheckSamePlace(const RecordedStop& reached, const Recording& recording, const CaptureRequest& request) {
+  const std::optional<int> stop = StopIndex(recording, reached.id);
+  if (!stop || !reached.base_from_flange_commanded) return {};
+  const std::optional<Rigid3d>& before = recording.stops[*stop].base_from_flange_commanded;
+  if (!before) {
+    return Fail(ErrorCode::kBadInput, "{}: stop '{}' of the recording is not an arm's", request.out.string(),
+                reached.id);
+  }
+  const Rigid3d moved = before->Inverse() * *reached.base_from_flange_commanded;
+  const double turned_rad = LogRotation(moved.rotation).norm(), shifted_m = moved.translation.norm();
+  if (turned_rad <= request.same_place_rad && shifted_m <= request.same_place_m) return {};
+  return Fail(
+      ErrorCode::kBadInput,
+      "{}: stop '{}' of the recording is {:.6f} m and {:.6f} rad from where the arm is now, {:.6f} m and {:.6f} "
+      "rad are allowed",
+      request.out.string(), reached.id, shifted_m, turned_rad, request.same_place_m, request.same_place_rad);
+}
+
 /// The plan without what the recording has; stops without anything left are not visited.
-AcquisitionPlan Missing(AcquisitionPlan plan, const Recording& recording, Subject subject) {
+AcquisitionPlan Missing(AcquisitionPlan plan, const AcquisitionDevices& devices, const Recording& recording,
+                        const CaptureRequest& request) {
+  if (plan.cameras_at) {
+    // The recording as it is now: it grows while pictures are taken.
+    plan.cameras_at = [&devices, &request, recording](const RecordedStop& reached) -> Result<std::vector<int>> {
+      if (Result<void> same = CheckSamePlace(reached, recording, request); !same) return Fail(same.error());
+      const Result<std::vector<int>> wanted = request.plan.cameras_at(reached);
+      if (!wanted) return Fail(wanted.error());
+      std::vector<int> missing = MissingAt(reached.id, *wanted, recording, request.subject);
+      const AcquisitionPlan here{.stops = {{{reached.id, {}}, missing}}};
+      if (Result<void> room = CheckSpace(devices, here, request); !room) return Fail(room.error());
+      return missing;
+    };
+  }
   for (PlannedStop& planned : plan.stops) {
-    const std::optional<int> stop = StopIndex(recording, planned.target.id);
-    std::erase_if(planned.cameras, [&](int camera) {
-      return stop && std::ranges::any_of(recording.views, [&](const RecordedView& view) {
-               return view.camera == camera && view.stop == stop && view.subject == subject;
-             });
-    });
+    planned.cameras = MissingAt(planned.target.id, std::move(planned.cameras), recording, request.subject);
   }
   std::erase_if(plan.stops, [](const PlannedStop& planned) { return planned.cameras.empty(); });
   return plan;
@@ -147,12 +186,33 @@ class RecordingSink {
   const CaptureRequest& request_;
 };
 
-/// Stop by stop in the plan's order, and camera by camera.
+/// An arm says where it ends, not whether it came again to every stop that was interrupted.
+Result<void> CheckWhole(const CaptureRequest& request, const Recording& recording) {
+  if (!request.plan.cameras_at) return {};
+  if (recording.stops.empty()) {
+    return Fail(ErrorCode::kDevice, "{}: the positioner ended without any stop", request.out.string());
+  }
+  for (const RecordedStop& stop : recording.stops) {
+    const Result<std::vector<int>> wanted = request.plan.cameras_at(stop);
+    if (!wanted) return Fail(wanted.error());
+    const std::vector<int> missing = MissingAt(stop.id, *wanted, recording, request.subject);
+    if (missing.empty()) continue;
+    return Fail(ErrorCode::kDevice,
+                "{}: stop '{}' lacks {} of {} pictures, and the positioner did not come there again",
+                request.out.string(), stop.id, missing.size(), wanted->size());
+  }
+  return {};
+}
+
+/// Stop by stop in the plan's order, or else as the stops came, and camera by camera.
 RecordingOrder OrderOf(const AcquisitionPlan& plan, const Recording& recording) {
   RecordingOrder order;
-  for (const PlannedStop& planned : plan.stops) {
-    order.stops.push_back(planned.target.id);
-    const std::optional<int> stop = StopIndex(recording, planned.target.id);
+  for (const PlannedStop& planned : plan.stops) order.stops.push_back(planned.target.id);
+  if (plan.cameras_at) {
+    for (const RecordedStop& stop : recording.stops) order.stops.push_back(stop.id);
+  }
+  for (const std::string& id : order.stops) {
+    const std::optional<int> stop = StopIndex(recording, id);
     for (int camera = 0; camera < static_cast<int>(recording.cameras.size()); ++camera) {
       for (const RecordedView& view : recording.views) {
         if (stop && view.stop == stop && view.camera == camera) order.views.push_back(view.file);
@@ -188,13 +248,14 @@ Result<CaptureOutcome> CaptureRecording(const AcquisitionDevices& devices, const
       request.resume ? RecordingWriter::Resume(request.out) : RecordingWriter::Create(request.out, request.id, *linear);
   if (!writer) return Fail(writer.error());
   if (Result<void> same = MatchCameras(devices, *writer, request.out); !same) return Fail(same.error());
-  const AcquisitionPlan missing = Missing(request.plan, writer->Content(), request.subject);
+  const AcquisitionPlan missing = Missing(request.plan, devices, writer->Content(), request);
   if (request.resume) room = CheckSpace(devices, missing, request);
   if (!room) return Fail(room.error());
   RecordingSink sink(*writer, request);
   const Result<AcquisitionOutcome> acquired = Acquire(
       devices, missing, [&](const TakenPicture& taken) { return sink.Store(taken); }, listener, stop);
   if (!acquired) return Fail(acquired.error());
+  if (Result<void> whole = CheckWhole(request, writer->Content()); !whole) return Fail(whole.error());
   const bool own_order = request.order.views.empty();
   const RecordingOrder order = own_order ? OrderOf(request.plan, writer->Content()) : request.order;
   if (Result<void> closed = writer->Close(order); !closed) return Fail(closed.error());

@@ -35,6 +35,12 @@ class PositionerDevice {
   /// is the caller's). Errors also: the reported position is off by more than the tolerance.
   virtual Result<RecordedStop> MoveTo(const StopTarget& target, const std::stop_token& stop) = 0;
 
+  /// For a device that somebody else moves: waits until it rests at its next stop, which has the id and place that he
+  /// says; nothing when there is no further one. Errors also kUnsupported: the device goes where it is told.
+  virtual Result<std::optional<RecordedStop>> NextStop(const std::stop_token& /*stop*/) {
+    return Fail(ErrorCode::kUnsupported, "the positioner goes where it is told, it has no stops of its own");
+  }
+
   /// Tells whoever moves the device that the pictures of the stop are taken, or why not (an arm's program waits for
   /// it).
   virtual Result<void> FinishStop(const Result<void>& taken) = 0;

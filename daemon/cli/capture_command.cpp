@@ -5,6 +5,7 @@
 #include <ctime>
 #include <memory>
 #include <numbers>
+#include <numeric>
 #include <set>
 
 #include "config/board_file.h"
@@ -55,16 +56,25 @@ std::optional<Subject> SubjectNamed(const std::string& name) {
   return std::nullopt;
 }
 
+std::vector<int> AllOf(std::size_t num_cameras) {
+  std::vector<int> cameras(num_cameras);
+  std::iota(cameras.begin(), cameras.end(), 0);
+  return cameras;
+}
+
 /// All cameras at every place, stops named by their numbers.
 std::vector<PlannedStop> PlanOf(const std::vector<std::vector<double>>& places, std::size_t num_cameras) {
-  std::vector<int> cameras(num_cameras);
-  for (std::size_t c = 0; c < num_cameras; ++c) cameras[c] = static_cast<int>(c);
   const std::size_t digits = std::max<std::size_t>(2, std::to_string(places.empty() ? 0 : places.size() - 1).size());
   std::vector<PlannedStop> stops;
   for (std::size_t s = 0; s < places.size(); ++s) {
-    stops.push_back({{fmt::format("{:0{}}", s, digits), places[s]}, cameras});
+    stops.push_back({{fmt::format("{:0{}}", s, digits), places[s]}, AllOf(num_cameras)});
   }
   return stops;
+}
+
+/// The stops of an arm, which says them itself: all cameras at each.
+AcquisitionPlan PlanOfArm(std::size_t num_cameras) {
+  return {.cameras_at = [num_cameras](const RecordedStop&) -> Result<std::vector<int>> { return AllOf(num_cameras); }};
 }
 
 /// The places of --stops, or else of the rig file.
@@ -99,11 +109,18 @@ Result<void> PrepareFromRig(const CaptureArguments& arguments, PreparedCapture& 
     return Fail(ErrorCode::kBadInput, "{}: has no [[camera]], there is nothing to capture with",
                 arguments.rig.string());
   }
-  const Result<std::vector<std::vector<double>>> places = PlacesOf(arguments, *rig);
-  if (!places) return Fail(places.error());
   capture.request.subject = SubjectNamed(arguments.subject).value_or(Subject::kObject);
   capture.request.id = std::filesystem::absolute(arguments.out / ".").lexically_normal().parent_path().filename();
-  capture.request.plan.stops = PlanOf(*places, rig->cameras.size());
+  const bool arm = rig->model.positioner.kind == PositionerKind::kArm && !rig->positioner.driver.empty();
+  if (arm && arguments.stops.empty()) {
+    capture.request.plan = PlanOfArm(rig->cameras.size());
+    capture.request.same_place_rad = rig->positioner.position_tolerance_rad;
+    capture.request.same_place_m = rig->positioner.position_tolerance_m;
+  } else {
+    const Result<std::vector<std::vector<double>>> places = PlacesOf(arguments, *rig);
+    if (!places) return Fail(places.error());
+    capture.request.plan.stops = PlanOf(*places, rig->cameras.size());
+  }
   capture.request.plan.settle_s = rig->positioner.settle_s;
   capture.request.plan.settings = rig->capture;
   capture.hardware = {.cameras = rig->cameras, .positioner = rig->positioner};
@@ -187,8 +204,8 @@ Result<CaptureOutcome> RunCapture(const CaptureArguments& arguments, PreparedCap
   std::function<void(const AcquisitionProgress&)> listener;
   if (session.on_terminal) {
     listener = [](const AcquisitionProgress& progress) {
-      fmt::print(stderr, "\r\x1b[Kcapture: stop {} of {}: {}", progress.stop + 1, progress.num_stops,
-                 NameOf(progress.phase));
+      const std::string of = progress.num_stops ? fmt::format(" of {}", *progress.num_stops) : "";
+      fmt::print(stderr, "\r\x1b[Kcapture: stop {}{}: {}", progress.stop + 1, of, NameOf(progress.phase));
     };
   }
   Result<CaptureOutcome> outcome = CaptureRecording(devices, capture.request, listener, session.stop);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <string_view>
@@ -29,6 +30,10 @@ struct PlannedStop {
 
 struct AcquisitionPlan {
   std::vector<PlannedStop> stops;
+  /// Instead of `stops`, for a positioner that somebody else moves: it is asked for one stop after the other until
+  /// there is none, and this says of which cameras pictures are wanted where it rests; none: the stop is passed over.
+  /// Its Error ends the acquisition. Empty: the plan has its stops.
+  std::function<Result<std::vector<int>>(const RecordedStop& reached)> cameras_at;
   double settle_s = 0;       ///< after each move, and before a picture is taken again
   CaptureSettings settings;  ///< its stops are not looked at
   /// The time, ISO 8601 in UTC, for pictures whose camera does not tell when they were taken; empty: it is not noted.
@@ -54,7 +59,8 @@ std::string_view NameOf(AcquisitionPhase phase);
 /// Told at the begin of each phase of each stop.
 struct AcquisitionProgress {
   AcquisitionPhase phase = AcquisitionPhase::kMoving;
-  int stop = 0, num_stops = 0;
+  int stop = 0;
+  std::optional<int> num_stops;  ///< unknown where the positioner says its stops itself
 };
 
 /// How the time was spent by the devices' clock: every second is one of these. Storing is what the devices waited for
@@ -70,13 +76,14 @@ struct AcquisitionOutcome {
   int num_recovered = 0;  ///< cameras brought back
 };
 
-/// The acquisition: homes, and for each stop moves, settles, fires all cameras together, collects their pictures,
-/// checks each one and takes it again where it is bad or missing, and hands the good ones to `store`, which works while
-/// the table moves on. A camera that fails is brought back, once those that did not have given their pictures. However
-/// it ends, the positioner is halted, and what was taken is stored (on cancellation: but for what was still waiting).
-/// Errors: kDevice, kTimeout of the positioner; kDevice naming camera and stop: gone for longer than
-/// settings.recover_s, or its picture is not good after settings.retakes; those of `store`; kTimeout: the disk takes
-/// nothing for a minute; kCancelled within a second, or when the picture that is being stored is.
+/// The acquisition: homes, and for each stop moves (or waits for whoever moves), settles, fires all cameras together,
+/// collects their pictures, checks each one and takes it again where it is bad or missing, and hands the good ones to
+/// `store`, which works while the table moves on. A camera that fails is brought back, once those that did not have
+/// given their pictures. However it ends, the positioner is halted, and what was taken is stored (on cancellation: but
+/// for what was still waiting). Errors: kDevice, kTimeout of the positioner; kDevice naming camera and stop: gone for
+/// longer than settings.recover_s, or its picture is not good after settings.retakes; those of `store` and of
+/// `cameras_at`; kTimeout: the disk takes nothing for a minute; kCancelled within a second, or when the picture that is
+/// being stored is.
 Result<AcquisitionOutcome> Acquire(const AcquisitionDevices& devices, const AcquisitionPlan& plan,
                                    const StorePicture& store,
                                    const std::function<void(const AcquisitionProgress&)>& listener,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <utility>
 
 #include "drivers/acquire/acquire.h"
@@ -10,14 +11,18 @@ namespace rigcal {
 /// Splits the time of an acquisition into its phases and tells the listener of each one as it begins.
 class PhaseTimer {
  public:
-  PhaseTimer(const Clock& clock, int num_stops, std::function<void(const AcquisitionProgress&)> listener)
+  PhaseTimer(const Clock& clock, std::optional<int> num_stops, std::function<void(const AcquisitionProgress&)> listener)
       : clock_(clock), listener_(std::move(listener)), begin_s_(clock.NowS()), num_stops_(num_stops) {}
 
   void Enter(AcquisitionPhase phase, int stop) {
     Mark();
     phase_ = phase;
+    stop_ = stop;
     if (listener_) listener_({phase, stop, num_stops_});
   }
+
+  /// The same at the stop of the latest phase.
+  void Enter(AcquisitionPhase phase) { Enter(phase, stop_); }
 
   /// The times up to now.
   AcquisitionTimes Times() {
@@ -50,7 +55,8 @@ class PhaseTimer {
   std::function<void(const AcquisitionProgress&)> listener_;
   AcquisitionPhase phase_ = AcquisitionPhase::kMoving;
   double begin_s_;
-  int num_stops_;
+  int stop_ = 0;
+  std::optional<int> num_stops_;
   AcquisitionTimes times_;
 };
 

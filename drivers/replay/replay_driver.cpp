@@ -82,12 +82,21 @@ class ReplayPositioner final : public PositionerDevice {
     return reached;
   }
 
+  /// The recording's stops in its order.
+  Result<std::optional<RecordedStop>> NextStop(const std::stop_token& stop) override {
+    const std::vector<RecordedStop>& stops = rig_->Content().stops;
+    if (next_ == static_cast<int>(stops.size())) return std::optional<RecordedStop>();
+    if (Result<void> there = rig_->GoTo(next_, stop); !there) return Fail(there.error());
+    return std::optional(stops[next_++]);
+  }
+
   Result<void> FinishStop(const Result<void>& /*taken*/) override { return {}; }
   void Halt() noexcept override {}  // nothing moves
 
  private:
   std::shared_ptr<ReplayedRig> rig_;
   std::vector<AxisSettings> axes_;
+  int next_ = 0;  ///< of NextStop
 };
 
 class ReplayDriver final : public Driver {

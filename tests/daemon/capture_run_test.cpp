@@ -99,6 +99,73 @@ TEST_F(CaptureRun, ResumingNeedsTheSameCameras) {
   EXPECT_THAT(outcome.error().message, HasSubstr("'middle'"));
 }
 
+/// The same cameras at an arm that says its stops itself.
+class CaptureArm : public CaptureRun {
+ protected:
+  CaptureArm() {
+    request_.plan.stops.clear();
+    request_.plan.cameras_at = [](const RecordedStop&) -> Result<std::vector<int>> { return std::vector{0, 1}; };
+  }
+  static RecordedStop At(const std::string& id, double x_m) {
+    const Rigid3d pose{Eigen::Quaterniond::Identity(), {x_m, 0, 0}};
+    return {.id = id, .base_from_flange_commanded = pose, .base_from_flange_reported = pose};
+  }
+  Result<CaptureOutcome> RunArm(std::vector<RecordedStop> told) {
+    arm_.emplace(clock_, log_);
+    arm_->told = std::move(told);
+    return CaptureRecording({{&left_, &right_}, &*arm_, &clock_}, request_, {}, {});
+  }
+  std::optional<ScriptedPositioner> arm_;
+};
+
+TEST_F(CaptureArm, GivesAWholeRecordingWithItsPoses) {
+  const Result<CaptureOutcome> outcome = RunArm({At("near", 0.1), At("far", 0.4)});
+  ASSERT_TRUE(outcome) << outcome.error().message;
+  EXPECT_THAT(CheckRecording(request_.out, {})->faults, IsEmpty());
+  EXPECT_THAT(Listed(), ElementsAre("left_near.png", "right_2_near.png", "left_far.png", "right_2_far.png"));
+  EXPECT_EQ(outcome->recording.stops[1].base_from_flange_reported->translation.x(), 0.4);
+}
+
+TEST_F(CaptureArm, IsResumedByTheSameProgramAgain) {
+  right_.gone_from_s = 2.5;  // while the second stop is taken
+  ASSERT_FALSE(RunArm({At("00", 0), At("01", 0.1), At("02", 0.2)}));
+  EXPECT_THAT(Listed(), ElementsAre("left_00.png", "right_2_00.png", "left_01.png"));
+  right_.gone_until_s = 0;
+  request_.resume = true;
+  const auto elsewhere = RunArm({At("00", 0.001), At("01", 0.1)});
+  ASSERT_FALSE(elsewhere);
+  EXPECT_EQ(elsewhere.error().code, ErrorCode::kBadInput);
+  EXPECT_THAT(elsewhere.error().message, HasSubstr("stop '00' of the recording is 0.001000 m and 0.000000 rad from"));
+  const auto passed_over = RunArm({At("02", 0.2)});
+  ASSERT_FALSE(passed_over);
+  EXPECT_THAT(passed_over.error().message, HasSubstr("stop '01' lacks 1 of 2 pictures"));
+  EXPECT_FALSE(LoadRecording(request_.out)->closed);
+  const auto outcome = RunArm({At("00", 0.00005), At("01", 0.1), At("02", 0.2)});
+  ASSERT_TRUE(outcome) << outcome.error().message;
+  EXPECT_EQ(outcome->acquisition.num_pictures, 1);
+  EXPECT_EQ(arm_->finished.size(), 3) << "also those that have their pictures are answered";
+  EXPECT_THAT(Listed(), ElementsAre("left_00.png", "right_2_00.png", "left_01.png", "right_2_01.png", "left_02.png",
+                                    "right_2_02.png"));
+}
+
+TEST_F(CaptureArm, WithoutRoomForAStopItIsNotTaken) {
+  int asked = 0;
+  request_.free_bytes = [&](const std::filesystem::path&) {
+    return Result<std::uintmax_t>(kReserve_bytes + 2 * kPicture_bytes - (++asked == 3 ? 1 : 0));
+  };
+  const auto outcome = RunArm({At("00", 0), At("01", 0.1)});
+  ASSERT_FALSE(outcome);
+  EXPECT_EQ(outcome.error().code, ErrorCode::kDiskFull);
+  EXPECT_THAT(outcome.error().message, HasSubstr("2 pictures need"));
+  EXPECT_THAT(Listed(), ElementsAre("left_00.png", "right_2_00.png"));
+}
+
+TEST_F(CaptureArm, WithoutAnyStopThereIsNoRecording) {
+  const auto outcome = RunArm({});
+  ASSERT_FALSE(outcome);
+  EXPECT_EQ(outcome.error().code, ErrorCode::kDevice);
+}
+
 TEST_F(CaptureRun, CamerasAreOfOneKind) {
   right_.linear = false;
   const Result<CaptureOutcome> outcome = Run();

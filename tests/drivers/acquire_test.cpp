@@ -281,6 +281,52 @@ TEST_F(AcquireTest, NotesWhenAPictureWasFired) {
   EXPECT_THAT(times, ElementsAre("at 2.5 s", "at 2.5 s"));
 }
 
+TEST_F(AcquireTest, APositionerThatSomebodyElseMovesSaysItsStopsItself) {
+  plan_.stops.clear();
+  plan_.cameras_at = [](const RecordedStop& reached) -> Result<std::vector<int>> {
+    if (reached.id == "over") return std::vector<int>{};
+    return reached.id == "b" ? std::vector{1} : std::vector{0, 1};
+  };
+  table_.told = {{.id = "a"}, {.id = "over"}, {.id = "b"}};
+  std::vector<int> stops;
+  listener_ = [&](const AcquisitionProgress& progress) {
+    EXPECT_FALSE(progress.num_stops);
+    if (progress.phase == AcquisitionPhase::kStoring) stops.push_back(progress.stop);
+  };
+  const auto outcome = Run();
+  ASSERT_TRUE(outcome) << outcome.error().message;
+  EXPECT_THAT(stored_, ElementsAre("0 a", "1 a", "1 b"));
+  EXPECT_THAT(table_.finished, ElementsAre("a good", "over good", "b good"));
+  EXPECT_EQ(stops.back(), 3) << "where it was asked for one stop more";
+  EXPECT_GT(table_.num_halts, 0);
+}
+
+TEST_F(AcquireTest, WhoMovesThePositionerIsToldWhyAStopIsNotTaken) {
+  plan_.stops.clear();
+  plan_.cameras_at = [](const RecordedStop& reached) -> Result<std::vector<int>> {
+    if (reached.id == "a") return std::vector{0, 1};
+    return Fail(ErrorCode::kDiskFull, "no room for '{}'", reached.id);
+  };
+  table_.told = {{.id = "a"}, {.id = "b"}, {.id = "c"}};
+  EXPECT_EQ(FailureOf().code, ErrorCode::kDiskFull);
+  EXPECT_THAT(table_.finished, ElementsAre("a good", "b no room for 'b'"));
+  EXPECT_THAT(stored_, ElementsAre("0 a", "1 a"));
+}
+
+TEST_F(AcquireTest, APositionerThatGoesWhereItIsToldHasNoStopsOfItsOwn) {
+  class Told final : public PositionerDevice {
+    Result<void> Home(const std::stop_token& /*stop*/) override { return {}; }
+    Result<RecordedStop> MoveTo(const StopTarget& /*target*/, const std::stop_token& /*stop*/) override { return {}; }
+    Result<void> FinishStop(const Result<void>& /*taken*/) override { return {}; }
+    void Halt() noexcept override {}
+  } told;
+  plan_.stops.clear();
+  plan_.cameras_at = [](const RecordedStop&) -> Result<std::vector<int>> { return std::vector{0}; };
+  const auto outcome = Acquire({{&left_, &right_}, &told, &clock_}, plan_, store_, {}, {});
+  ASSERT_FALSE(outcome);
+  EXPECT_EQ(outcome.error().code, ErrorCode::kUnsupported);
+}
+
 TEST_F(AcquireTest, WithoutAPositionerThereIsOneStop) {
   plan_.stops.resize(1);
   const auto outcome = Acquire({{&left_, &right_}, nullptr, &clock_}, plan_, store_, {}, {});

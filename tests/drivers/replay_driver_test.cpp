@@ -203,6 +203,19 @@ TEST(Replay, FindsAStopByItsPlaceUnderAnotherName) {
   EXPECT_EQ(moved->axes.front().reported, 1.0001);
 }
 
+TEST(Replay, SaysItsStopsInTheirOrderWhereItStandsForAnArm) {
+  Replay replay;
+  const auto camera = *replay.driver->OpenCamera(Rig(false).cameras[0], {});
+  for (int s = 0; s < kNumStops; ++s) {
+    const auto stop = replay.positioner->NextStop({});
+    ASSERT_TRUE(stop && *stop);
+    EXPECT_EQ((*stop)->id, fmt::format("{:02}", s));
+    ASSERT_TRUE(camera->Fire());
+    EXPECT_EQ(cv::norm(camera->Collect(1, {})->pixels, PictureOf(ViewOf(0, s)), cv::NORM_INF), 0);
+  }
+  EXPECT_FALSE(*replay.positioner->NextStop({}));
+}
+
 TEST(Replay, FullSpeedTakesNoTimeAndRecordedSpeedTheRecorded) {
   for (const bool recorded : {false, true}) {
     Replay replay(TableRecording(), recorded);

@@ -91,6 +91,15 @@ Result<RecordedStop> ScriptedPositioner::MoveTo(const StopTarget& target, const 
   return RecordedStop{.id = target.id, .axes = {{.axis = "table", .commanded = target.axes.front()}}};
 }
 
+Result<std::optional<RecordedStop>> ScriptedPositioner::NextStop(const std::stop_token& stop) {
+  if (next_told_ == told.size()) return std::optional<RecordedStop>();
+  const RecordedStop& next = told[next_told_];
+  const Result<RecordedStop> moved = MoveTo({next.id, {0}}, stop);
+  if (!moved) return Fail(moved.error());
+  ++next_told_;
+  return std::optional(next);
+}
+
 Result<void> ScriptedPositioner::FinishStop(const Result<void>& taken) {
   finished.push_back(stop_ + " " + (taken ? "good" : taken.error().message));
   return {};

@@ -4,6 +4,7 @@
 #include <limits>
 #include <map>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -61,10 +62,12 @@ class ScriptedPositioner final : public PositionerDevice {
   std::function<void(const std::string& stop)> on_move;  ///< called at the begin of a move; may be empty
   bool moving = false;                                   ///< set by a move, until it has ended or was halted
   int num_halts = 0;
+  std::vector<RecordedStop> told;     ///< what NextStop gives, each after a second, and then that there is none
   std::vector<std::string> finished;  ///< "00 good", "01 MESSAGE"
 
   Result<void> Home(const std::stop_token& stop) override;
   Result<RecordedStop> MoveTo(const StopTarget& target, const std::stop_token& stop) override;
+  Result<std::optional<RecordedStop>> NextStop(const std::stop_token& stop) override;
   Result<void> FinishStop(const Result<void>& taken) override;
   void Halt() noexcept override;
 
@@ -72,6 +75,7 @@ class ScriptedPositioner final : public PositionerDevice {
   FakeClock& clock_;
   std::vector<std::string>& log_;
   std::string stop_;
+  std::size_t next_told_ = 0;
 };
 
 }  // namespace rigcal
