@@ -37,6 +37,10 @@ struct DriverContext {
   Subject subject = Subject::kObject;
   std::optional<Board> board;  ///< the chart, for a simulated studio with Subject::kChart
   std::function<Result<RecordedPictures>(const std::string& folder)> open_recording;  ///< for replay
+  std::function<void(const std::string& sentence)> tell;  ///< what whoever works with the rig should know; may be empty
+  /// Asks him to do something and waits until he says that it is done; empty where nobody can be asked. Errors:
+  /// kTimeout, kCancelled; kDevice: nobody is there any more.
+  std::function<Result<void>(const std::string& what, double timeout_s, const std::stop_token& stop)> confirm;
 };
 
 /// One kind of hardware, for one rig: what its devices share lives here or is shared by them; they may outlive it.

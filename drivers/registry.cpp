@@ -5,6 +5,7 @@
 #include <map>
 
 #include "core/base/joined.h"
+#include "drivers/arm/arm_driver.h"
 #include "drivers/grbl/grbl_driver.h"
 #include "drivers/replay/replay_driver.h"
 #include "drivers/sim/sim_driver.h"
@@ -20,6 +21,7 @@ struct DriverEntry {
 };
 
 constexpr std::array kDrivers = {
+    DriverEntry{"arm", true, MakeArmDriver},
     DriverEntry{"grbl", true, MakeGrblDriver},
     DriverEntry{"replay", false, MakeReplayDriver},
     DriverEntry{"sim", false, MakeSimDriver},

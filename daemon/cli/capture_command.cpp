@@ -13,6 +13,7 @@
 #include "config/recording_file.h"
 #include "config/rig_file.h"
 #include "daemon/capture_run.h"
+#include "daemon/cli/ask_operator.h"
 #include "daemon/cli/command.h"
 #include "daemon/cli/run_request.h"
 #include "daemon/recorded_pictures_source.h"
@@ -194,6 +195,8 @@ Result<CaptureOutcome> RunCapture(const CaptureArguments& arguments, PreparedCap
   capture.context.clock = &clock;
   capture.context.subject = capture.request.subject;
   capture.context.open_recording = OpenRecordedPictures;
+  capture.context.tell = [](const std::string& sentence) { fmt::print(stderr, "{}\n", sentence); };
+  if (OperatorIsThere()) capture.context.confirm = AskOperator;
   capture.request.out = arguments.out;
   capture.request.resume = arguments.resume;
   const Result<OpenedRig> rig = OpenRig(capture.hardware, capture.context, session.stop);
