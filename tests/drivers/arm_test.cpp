@@ -1,24 +1,17 @@
 // The contract for positioners (positioner_contract.h) is that of machines that rigcal moves. An arm is moved by
 // somebody else; what of it holds here as well is tested here under the same names.
-#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <linux/sockios.h>
-#include <poll.h>
-#include <sys/ioctl.h>
-#include <sys/socket.h>
 
 #include <chrono>
 #include <list>
 #include <stdexcept>
 
 #include "drivers/arm/arm_driver.h"
-#include "drivers/arm/listed_arm.h"
 #include "drivers/arm/pose_line.h"
 #include "drivers/arm/programmed_arm.h"
 #include "drivers/registry.h"
-#include "tests/config/temporary_folder.h"
-#include "tests/support/fake_clock.h"
+#include "tests/drivers/arm_program.h"
 
 namespace rigcal {
 namespace {
@@ -27,95 +20,6 @@ using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::MatchesRegex;
 using ::testing::StartsWith;
-
-constexpr double kHang_s = 60;  ///< catches what would not end, on a machine however busy
-
-template <typename T>
-std::string MessageOf(const Result<T>& result) {
-  return result ? "no error" : result.error().message;
-}
-
-/// Time that passes a little for others too whenever somebody waits: what is sent on a loopback arrives.
-class PatientClock final : public Clock {
- public:
-  [[nodiscard]] double NowS() const override { return fake_.NowS(); }
-  bool Wait(double seconds, const std::stop_token& stop) override {
-    poll(nullptr, 0, 1);
-    return fake_.Wait(seconds, stop);
-  }
-  FakeClock& Fake() { return fake_; }
-
- private:
-  FakeClock fake_;
-};
-
-/// A program that connects to the driver. Its waits are for events, with a bound for hangs.
-class Program {
- public:
-  explicit Program(const SocketAddress& address) {
-    const bool v6 = address.host.find(':') != std::string::npos;
-    socket_ = Descriptor(socket(v6 ? AF_INET6 : AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
-    const auto port = htons(static_cast<std::uint16_t>(address.port));
-    sockaddr_in to{.sin_family = AF_INET, .sin_port = port};
-    sockaddr_in6 to6{.sin6_family = AF_INET6, .sin6_port = port};
-    inet_pton(v6 ? AF_INET6 : AF_INET, address.host.c_str(),
-              v6 ? static_cast<void*>(&to6.sin6_addr) : static_cast<void*>(&to.sin_addr));
-    const auto* any = v6 ? reinterpret_cast<const sockaddr*>(&to6) : reinterpret_cast<const sockaddr*>(&to);
-    connected_ = connect(socket_.Number(), any, v6 ? sizeof(to6) : sizeof(to)) == 0;
-  }
-  [[nodiscard]] bool Connected() const { return connected_; }
-  /// Has come to the other side when it returns, as SayNoMore has.
-  void Say(const std::string& text) {
-    EXPECT_EQ(send(socket_.Number(), text.data(), text.size(), MSG_NOSIGNAL), static_cast<ssize_t>(text.size()));
-    AwaitArrival();
-  }
-  /// The next line; "closed" when the connection is.
-  std::string Hear() {
-    for (std::string line; Readable();) {
-      char c = 0;
-      const ssize_t count = recv(socket_.Number(), &c, 1, 0);
-      if (count <= 0) return count == 0 && line.empty() ? "closed" : "broken off after '" + line + "'";
-      if (c == '\n') return line;
-      line += c;
-    }
-    return "nothing";
-  }
-  void SayNoMore() {
-    shutdown(socket_.Number(), SHUT_WR);
-    AwaitArrival();
-  }
-  void Close() {
-    SayNoMore();
-    Disconnect();
-  }
-  /// The other side sees a connection that broke.
-  void Break() {
-    const linger at_once{.l_onoff = 1, .l_linger = 0};
-    setsockopt(socket_.Number(), SOL_SOCKET, SO_LINGER, &at_once, sizeof(at_once));
-    Disconnect();
-  }
-
- private:
-  void Disconnect() { socket_ = Descriptor(); }
-  void AwaitArrival() const {
-    const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kHang_s);
-    int unacknowledged = 1;  // bytes, the end counts as one
-    while (ioctl(socket_.Number(), SIOCOUTQ, &unacknowledged) == 0 && unacknowledged > 0) {
-      ASSERT_LT(std::chrono::steady_clock::now(), end);
-      poll(nullptr, 0, 1);
-    }
-  }
-  [[nodiscard]] bool Readable() const {
-    pollfd wanted{.fd = socket_.Number(), .events = POLLIN, .revents = 0};
-    return poll(&wanted, 1, static_cast<int>(kHang_s * 1000)) > 0;
-  }
-  Descriptor socket_;
-  bool connected_ = false;
-};
-
-std::string Pose(const std::string& id, double x_m = 0.5) {
-  return fmt::format("pose {} {} -0.25 1.5 0.6 0 0.8 0\n", id, x_m);
-}
 
 class ArmTest : public ::testing::Test {
  protected:
@@ -449,74 +353,6 @@ TEST_F(ArmTest, TheRegistryOpensItAndSaysWhereItListens) {
   EXPECT_THAT(told, MatchesRegex("arm: waits for its program on 127.0.0.1:[1-9][0-9]*"));
   rig.cameras = {{.id = "left", .driver = "arm"}};
   EXPECT_THAT(MessageOf(OpenRig(rig, context, {})), HasSubstr("the driver arm has no cameras"));
-}
-
-/// Poses that a file lists.
-class ArmList : public ::testing::Test {
- protected:
-  Result<std::unique_ptr<PositionerDevice>> Open(const std::string& text) {
-    return OpenFile(folder_.Write("poses.txt", text).string());
-  }
-  Result<std::unique_ptr<PositionerDevice>> OpenFile(const std::string& file) {
-    return ListedArm::Open({.driver = "arm", .address = file, .move_timeout_s = 30}, context_);
-  }
-
-  TemporaryFolder folder_;
-  FakeClock clock_;
-  DriverContext context_{.clock = &clock_};
-};
-
-constexpr const char* kList =
-    "# the ring\n\n00 0.5 0 1 1 0 0 0\n  01 0.25 0 1 0 1 0 0  # over the head\r\n02 0 0 1 0 0 0 1";
-
-TEST_F(ArmList, GivesItsStopsInOrder) {
-  const auto arm = Open(kList);
-  ASSERT_TRUE(arm) << MessageOf(arm);
-  for (const std::string id : {"00", "01", "02"}) {
-    const auto stop = (*arm)->NextStop({});
-    ASSERT_TRUE(stop && *stop);
-    EXPECT_EQ((*stop)->id, id);
-    EXPECT_TRUE((*arm)->FinishStop({}));
-  }
-  EXPECT_FALSE(*(*arm)->NextStop({}));
-}
-
-TEST_F(ArmList, WhoMovesItByHandSaysThatItIsThere) {
-  std::vector<std::string> asked;
-  bool answers = true;
-  context_.confirm = [&](const std::string& what, double timeout_s, const std::stop_token&) -> Result<void> {
-    asked.push_back(fmt::format("{} within {} s", what, timeout_s));
-    if (!answers) return Fail(ErrorCode::kTimeout, "nobody answers");
-    return {};
-  };
-  const auto arm = Open(kList);
-  ASSERT_TRUE((*arm)->NextStop({}));
-  answers = false;
-  EXPECT_EQ((*arm)->NextStop({}).error().code, ErrorCode::kTimeout);
-  answers = true;
-  EXPECT_EQ((**(*arm)->NextStop({})).id, "01") << "a stop that was not reached is still the next one";
-  EXPECT_THAT(asked, ::testing::ElementsAre("arm: bring it to stop '00' (1 of 3) within 30 s",
-                                            "arm: bring it to stop '01' (2 of 3) within 30 s",
-                                            "arm: bring it to stop '01' (2 of 3) within 30 s"));
-}
-
-TEST_F(ArmList, AStopTokenEndsIt) {
-  const auto arm = Open(kList);
-  std::stop_source stop;
-  stop.request_stop();
-  EXPECT_EQ((*arm)->NextStop(stop.get_token()).error().code, ErrorCode::kCancelled);
-}
-
-TEST_F(ArmList, RefusesAFileThatIsNotAListOfPoses) {
-  const std::string file = (folder_.Path() / "poses.txt").string();
-  EXPECT_EQ(MessageOf(Open("00 0 0 0 1 0 0 0\n\n01 0 0 0 1 0 0\n")),
-            "arm: " + file + " line 3: a pose is K x y z qw qx qy qz, 8 words, not 7");
-  EXPECT_EQ(MessageOf(Open("00 0 0 0 1 0 0 0\n00 0 0 1 1 0 0 0\n")),
-            "arm: " + file + " line 2: the stop '00' is in line 1 already");
-  EXPECT_EQ(MessageOf(Open("# nothing\n")), "arm: " + file + ": has no pose");
-  EXPECT_EQ(MessageOf(OpenFile("nowhere.txt")),
-            "arm: nowhere.txt is neither HOST:PORT to listen on nor a file of poses");
-  EXPECT_EQ(OpenFile(folder_.Path().string()).error().code, ErrorCode::kNotFound);
 }
 
 }  // namespace
