@@ -8,8 +8,9 @@
 namespace rigcal::stereo {
 namespace {
 
-/// A cell is tried from at most this many neighbours.
-constexpr int kMaxAttemptsPerCell = 3;
+/// A cell is tried from at most this many neighbours. On templeSparseRing a third try makes 4 % more patches at level
+/// 2, 2 % at level 1, and 2 % for 4 % of the time at level 0, where patches abound.
+constexpr int kMaxAttemptsPerCell = 3, kMaxAttemptsPerCellAtFullSize = 2;
 /// Only views that see the patch less obliquely than this (cosine, 55 degrees) grow it: their cells are small enough on
 /// the surface, and the others' cells fill by themselves.
 constexpr double kMinCosineToGrow = 0.57;
@@ -71,6 +72,7 @@ void Reserve(const StereoScene& scene, const Candidate& candidate, CellGrid& cel
 bool ListCandidates(const StereoScene& scene, const std::vector<SurfacePatch>& patches, int parent, CellGrid& cells,
                     std::vector<Candidate>& candidates) {
   const SurfacePatch& patch = patches[parent];
+  const int max_attempts = scene.options.level == 0 ? kMaxAttemptsPerCellAtFullSize : kMaxAttemptsPerCell;
   bool postponed = false;
   for (std::size_t i = 0; i < patch.sightings.size(); ++i) {
     const Sighting& sighting = patch.sightings[i];
@@ -80,7 +82,7 @@ bool ListCandidates(const StereoScene& scene, const std::vector<SurfacePatch>& p
       const std::optional<CellGrid::CellPixel> cell =
           cells.Neighbour(sighting.view, patch.pixels[i].x_px, columns, rows);
       if (!cell || cells.IsFilled(sighting.view, cell->index)) continue;
-      if (cells.Attempts(sighting.view, cell->index) >= kMaxAttemptsPerCell) continue;
+      if (cells.Attempts(sighting.view, cell->index) >= max_attempts) continue;
       if (!scene.CanHoldWindow(sighting.view, {cell->u_px, cell->v_px})) continue;
       if (cells.IsPending(sighting.view, cell->index)) {
         postponed = true;
