@@ -2,9 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cstdio>
 #include <utility>
+
+#include "core/base/clock.h"
 
 namespace rigcal {
 namespace {
@@ -51,7 +52,7 @@ std::string ProgressText(const RunProgress& progress, double elapsed_s) {
 }
 
 double MonotonicSeconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  return SystemClock().NowS();
 }
 
 }  // namespace rigcal

@@ -1,14 +1,20 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <set>
+#include <string>
+#include <vector>
 
 #include "config/board_file.h"
 #include "config/read_file.h"
 #include "config/rig_file.h"
 #include "config/rig_keys.h"
 #include "config/rig_summary.h"
+#include "core/base/joined.h"
 #include "daemon/cli/run_request.h"
+#include "drivers/registry.h"
 
 namespace rigcal {
 namespace {
@@ -23,10 +29,26 @@ Result<RigFile> CheckRigFile(const std::filesystem::path& file) {
   return rig;
 }
 
+/// A rig may be described before the program can move all of it; seeding and refinement need no driver.
+std::vector<std::string> MissingDrivers(const RigFile& rig) {
+  const std::vector<std::string> known = DriverNames();
+  std::set<std::string> missing;
+  const auto look = [&](const std::string& driver) {
+    if (!driver.empty() && std::ranges::find(known, driver) == known.end()) missing.insert(driver);
+  };
+  look(rig.positioner.driver);
+  for (const CameraSettings& camera : rig.cameras) look(camera.driver);
+  return {missing.begin(), missing.end()};
+}
+
 int RunRigCheck(const std::filesystem::path& file) {
   const Result<RigFile> rig = CheckRigFile(file);
   if (!rig) return FailWith("rig check", rig.error());
   fmt::print("{}", RigSummaryText(*rig));
+  for (const std::string& driver : MissingDrivers(*rig)) {
+    fmt::print("note: `rigcal capture` cannot use this rig: this program has no driver '{}', it has {}\n", driver,
+               Joined(DriverNames(), ", "));
+  }
   return kExitAccepted;
 }
 

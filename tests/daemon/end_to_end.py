@@ -21,7 +21,8 @@ import numpy
 MAX_TRUTH_ERROR_PX = 0.15  # seen: 0.03 to 0.08 px at this size
 STOP_WITHIN_S = 1.0        # what a person at the terminal expects
 HANGS_AFTER_S = 60
-MAX_BUMP_LEFT_PX = 0.06    # at the object, of 9.6 px; seen with five views and turns: 0.010 to 0.040, sigma 0.014 stated
+MAX_BUMP_LEFT_PX = 0.06    # at the object, of 9.6 px; seen with five views and turns: 0.010 to 0.040
+MAX_BUMP_LEFT_SIGMAS = 4   # of what the report states; seen: up to 2.8
 
 
 class Bench:
@@ -153,9 +154,11 @@ def one_bumped_camera(bench):
     points = [[float(word) for word in line.split()[:3]] for line in (bench.root / "set/points.txt").read_text().splitlines()]
     off_px = numpy.linalg.norm(projected(refined[bumped], points) - projected(truth[bumped], points), axis=1).mean()
     moved = {view["name"]: view["moved_px"] for view in report["views"]}
-    bench.check("bumped", done.returncode == 0 and kept and off_px < MAX_BUMP_LEFT_PX,
+    sigma_px = {view["name"]: view["sigma_px"] for view in report["views"]}[bumped]
+    limit_px = min(MAX_BUMP_LEFT_PX, MAX_BUMP_LEFT_SIGMAS * sigma_px)
+    bench.check("bumped", done.returncode == 0 and kept and off_px < limit_px,
                 f"status {done.returncode}, {report['verdict']}, Er {report['expected_error_px']:.1f} px, {bumped} moved "
-                f"{moved[bumped]:.1f} px and is off by {off_px:.3f} px (limit {MAX_BUMP_LEFT_PX}), others as they were: {kept}")
+                f"{moved[bumped]:.1f} px and is off by {off_px:.3f} px (limit {limit_px:.3f}), others as they were: {kept}")
 
 
 def prior_in_another_order(bench):
