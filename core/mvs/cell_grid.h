@@ -40,7 +40,10 @@ class CellGrid {
 
   [[nodiscard]] bool IsFilled(int view, std::size_t cell) const { return cells_[view][cell] & kFilled; }
   [[nodiscard]] bool IsPending(int view, std::size_t cell) const { return cells_[view][cell] & kPending; }
+  [[nodiscard]] bool IsBarred(int view, std::size_t cell) const { return cells_[view][cell] & kBarred; }
   [[nodiscard]] int Attempts(int view, std::size_t cell) const { return cells_[view][cell] >> kAttemptShift; }
+  /// No window fits there, once and for all: whoever finds out saves the others the question.
+  void Bar(int view, std::size_t cell) { cells_[view][cell] |= kBarred; }
   void SetPending(int view, std::size_t cell);
   void ClearPending();
   void CountAttempt(int view, std::size_t cell);
@@ -49,7 +52,7 @@ class CellGrid {
   void ClearFilled();
 
  private:
-  static constexpr std::uint8_t kFilled = 1, kPending = 2, kAttemptShift = 2;
+  static constexpr std::uint8_t kFilled = 1, kPending = 2, kBarred = 4, kAttemptShift = 3;
   std::vector<CellLayout> layouts_;
   std::vector<std::vector<std::uint8_t>> cells_;
   std::vector<std::pair<int, std::size_t>> pending_;

@@ -81,9 +81,12 @@ bool ListCandidates(const StereoScene& scene, const std::vector<SurfacePatch>& p
     for (const auto& [columns, rows] : kNeighbours) {
       const std::optional<CellGrid::CellPixel> cell =
           cells.Neighbour(sighting.view, patch.pixels[i].x_px, columns, rows);
-      if (!cell || cells.IsFilled(sighting.view, cell->index)) continue;
+      if (!cell || cells.IsFilled(sighting.view, cell->index) || cells.IsBarred(sighting.view, cell->index)) continue;
       if (cells.Attempts(sighting.view, cell->index) >= max_attempts) continue;
-      if (!scene.CanHoldWindow(sighting.view, {cell->u_px, cell->v_px})) continue;
+      if (!scene.CanHoldWindow(sighting.view, {cell->u_px, cell->v_px})) {
+        cells.Bar(sighting.view, cell->index);
+        continue;
+      }
       if (cells.IsPending(sighting.view, cell->index)) {
         postponed = true;
         continue;

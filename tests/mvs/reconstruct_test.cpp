@@ -163,28 +163,29 @@ TEST(Reconstruct, WrongCamerasKeepTheirPatches) {
 
 /// The same surface at the same place in the world, whatever level it was found on. A pyramid whose levels are shifted
 /// by a quarter of a pixel shows here, as the views are rolled. Waves of 24 pixels and more leave a window of level 0
-/// with little texture: depths are as good as anywhere, slopes are not.
+/// with little texture: depths are as good as anywhere, slopes are not. The pictures are large enough for 98 % of level
+/// 2's patches to be a number: of 306 cells the six worst turns lay on either side of the limit, with the rounding.
 TEST(Reconstruct, AllLevelsFindTheSameSurface) {
+  constexpr int kSide_px = 240;
   const test::SurfaceScene scene = test::RenderSurface(test::PlaneAtHeight(0), test::SolidTexture(24, 70, 0.12, 9),
-                                                       test::ViewsAboutZ(7, 25 * kDegree), {140, 140}, 3);
+                                                       test::ViewsAboutZ(7, 25 * kDegree), {kSide_px, kSide_px}, 3);
   for (const int level : {0, 1, 2}) {
     const auto patches = Reconstruct(scene.images, scene.truth, {.level = level}, {});
     ASSERT_TRUE(patches) << patches.error().message;
-    double mean_px = 0;
-    std::vector<double> distance_px, turn_rad;
+    std::vector<double> height_px, distance_px, turn_rad;
     for (const Patch& patch : *patches) {
       const double px = patch.centre_in_world.z() * std::ldexp(1.0, -level);
-      mean_px += px / static_cast<double>(patches->size());
-      distance_px.push_back(std::abs(px));
+      height_px.push_back(px), distance_px.push_back(std::abs(px));
       turn_rad.push_back(std::acos(std::min(1.0, patch.normal_in_world.z())));
     }
+    const double median_px = test::Quantile(height_px, 0.5);  // a few stray patches do not move it
     const std::string at = " at level " + std::to_string(level);
-    const auto cells = static_cast<double>((140 >> level) * (140 >> level) / 4);
+    const auto cells = static_cast<double>((kSide_px >> level) * (kSide_px >> level) / 4);
     Record("share_of_cells" + std::to_string(level), static_cast<double>(patches->size()) / cells);
-    Record("mean_px" + std::to_string(level), mean_px);
+    Record("median_px" + std::to_string(level), median_px);
     Record("p98_px" + std::to_string(level), test::Quantile(distance_px, 0.98));
     Record("p98_turn_deg" + std::to_string(level), test::Quantile(turn_rad, 0.98) / kDegree);
-    EXPECT_LT(std::abs(mean_px), 0.02) << at;
+    EXPECT_LT(std::abs(median_px), 0.02) << at;
     EXPECT_LT(test::Quantile(distance_px, 0.98), 0.25) << at;
     EXPECT_LT(test::Quantile(turn_rad, 0.98), 10 * kDegree) << at;
     EXPECT_GT(static_cast<double>(patches->size()), cells) << at;
