@@ -15,9 +15,9 @@ if(RIGCAL_ARCH AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
 endif()
 if(RIGCAL_SANITIZE)
   # g++ 12 at -O1 with sanitizers takes parts of std::regex for uninitialised.
-  target_compile_options(rigcal_options INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
+  target_compile_options(rigcal_options INTERFACE -fsanitize=${RIGCAL_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer
     -Wno-maybe-uninitialized)
-  target_link_options(rigcal_options INTERFACE -fsanitize=address,undefined)
+  target_link_options(rigcal_options INTERFACE -fsanitize=${RIGCAL_SANITIZE})
 endif()
 
 # rigcal_library(NAME [LINKS ...]): every .cpp of the current folder as a static library. Libraries of others are system
