@@ -25,9 +25,9 @@ std::optional<CellGrid::CellPixel> CellGrid::Neighbour(int view, const Eigen::Ve
   return CellPixel{column * layout.cell_px + middle_px, row * layout.cell_px + middle_px, layout.IndexOf(column, row)};
 }
 
-void CellGrid::SetPending(int view, std::size_t cell) {
-  cells_[view][cell] |= kPending;
-  pending_.emplace_back(view, cell);
+void CellGrid::SetPending(const CellOfView& cell) {
+  cells_[cell.view][cell.cell] |= kPending;
+  pending_.push_back(cell);
 }
 
 void CellGrid::ClearPending() {

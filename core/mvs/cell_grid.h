@@ -40,11 +40,12 @@ class CellGrid {
 
   [[nodiscard]] bool IsFilled(int view, std::size_t cell) const { return cells_[view][cell] & kFilled; }
   [[nodiscard]] bool IsPending(int view, std::size_t cell) const { return cells_[view][cell] & kPending; }
-  [[nodiscard]] bool IsBarred(int view, std::size_t cell) const { return cells_[view][cell] & kBarred; }
   [[nodiscard]] int Attempts(int view, std::size_t cell) const { return cells_[view][cell] >> kAttemptShift; }
-  /// No window fits there, once and for all: whoever finds out saves the others the question.
-  void Bar(int view, std::size_t cell) { cells_[view][cell] |= kBarred; }
-  void SetPending(int view, std::size_t cell);
+  struct CellOfView {
+    int view;
+    std::size_t cell;
+  };
+  void SetPending(const CellOfView& cell);
   void ClearPending();
   void CountAttempt(int view, std::size_t cell);
   /// Marks the cells of all sightings.
@@ -52,10 +53,10 @@ class CellGrid {
   void ClearFilled();
 
  private:
-  static constexpr std::uint8_t kFilled = 1, kPending = 2, kBarred = 4, kAttemptShift = 3;
+  static constexpr std::uint8_t kFilled = 1, kPending = 2, kAttemptShift = 2;
   std::vector<CellLayout> layouts_;
   std::vector<std::vector<std::uint8_t>> cells_;
-  std::vector<std::pair<int, std::size_t>> pending_;
+  std::vector<CellOfView> pending_;
 };
 
 /// The same in all views: patches by cell, for looking up neighbours. Immutable.
