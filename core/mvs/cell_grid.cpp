@@ -1,5 +1,6 @@
 #include "core/mvs/cell_grid.h"
 
+#include <algorithm>
 #include <numeric>
 
 namespace rigcal::stereo {
@@ -54,35 +55,47 @@ void CellGrid::ClearFilled() {
   }
 }
 
-CellIndex::CellIndex(const StereoScene& scene, const std::vector<SurfacePatch>& patches) {
+CellIndex::CellIndex(const StereoScene& scene, const std::vector<SurfacePatch>& patches, const Execution& execution) {
   for (const StereoView& view : scene.views) {
     const CellLayout layout(view, scene.options.cell_px);
     views_.push_back({layout, std::vector<int>(layout.NumCells() + 1), {}});
   }
-  // Counted first, so that every cell's entries go where they stay.
-  for (const SurfacePatch& patch : patches) {
-    for (std::size_t k = 0; k < patch.sightings.size(); ++k) {
-      Cells& cells = views_[patch.sightings[k].view];
-      ++cells.first[cells.layout.CellAt(patch.pixels[k].x_px) + 1];
+  // Each thread goes through all patches, for views of its own.
+  const int num_views = static_cast<int>(views_.size()), num_shares = std::clamp(execution.num_threads, 1, num_views);
+  const auto enter_share = [&](int share) {
+    const int from = num_views * share / num_shares, to = num_views * (share + 1) / num_shares;
+    EnterPatches(patches, from, to);
+  };
+  ParallelFor(execution, num_shares, enter_share);
+}
+
+void CellIndex::EnterPatches(const std::vector<SurfacePatch>& patches, int from_view, int to_view) {
+  const auto for_each = [&](const auto& visit) {
+    for (std::size_t i = 0; i < patches.size(); ++i) {
+      for (std::size_t k = 0; k < patches[i].sightings.size(); ++k) {
+        const int view = patches[i].sightings[k].view;
+        if (view >= from_view && view < to_view) visit(i, k, view, views_[view]);
+      }
     }
-  }
-  std::vector<std::vector<int>> next;
-  for (Cells& cells : views_) {
+  };
+  // Counted first, so that every cell's entries go where they stay.
+  for_each([&](std::size_t i, std::size_t k, int /*view*/, Cells& cells) {
+    ++cells.first[cells.layout.CellAt(patches[i].pixels[k].x_px) + 1];
+  });
+  std::vector<std::vector<int>> next(views_.size());
+  for (int view = from_view; view < to_view; ++view) {
+    Cells& cells = views_[view];
     std::partial_sum(cells.first.begin(), cells.first.end(), cells.first.begin());
     cells.entries.resize(static_cast<std::size_t>(cells.first.back()));
-    next.push_back(cells.first);
+    next[view] = cells.first;
   }
-  for (std::size_t i = 0; i < patches.size(); ++i) {
-    const Eigen::Vector3f normal_in_world = patches[i].normal_in_world.cast<float>();
-    for (std::size_t k = 0; k < patches[i].sightings.size(); ++k) {
-      const Sighting& sighting = patches[i].sightings[k];
-      const Pixel& pixel = patches[i].pixels[k];
-      Cells& cells = views_[sighting.view];
-      const auto place = static_cast<std::size_t>(next[sighting.view][cells.layout.CellAt(pixel.x_px)]++);
-      cells.entries[place] = {static_cast<int>(i), static_cast<float>(pixel.depth),
-                              pixel.x_px.cast<float>() - sighting.offset_px, normal_in_world};
-    }
-  }
+  for_each([&](std::size_t i, std::size_t k, int view, Cells& cells) {
+    const Pixel& pixel = patches[i].pixels[k];
+    const auto place = static_cast<std::size_t>(next[view][cells.layout.CellAt(pixel.x_px)]++);
+    cells.entries[place] = {static_cast<int>(i), static_cast<float>(pixel.depth),
+                            pixel.x_px.cast<float>() - patches[i].sightings[k].offset_px,
+                            patches[i].normal_in_world.cast<float>()};
+  });
 }
 
 }  // namespace rigcal::stereo

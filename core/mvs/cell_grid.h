@@ -62,7 +62,8 @@ class CellGrid {
 /// The same in all views: patches by cell, for looking up neighbours. Immutable.
 class CellIndex {
  public:
-  CellIndex(const StereoScene& scene, const std::vector<SurfacePatch>& patches);
+  /// Incomplete when stopped: whoever goes on with it asks the stop token.
+  CellIndex(const StereoScene& scene, const std::vector<SurfacePatch>& patches, const Execution& execution);
 
   struct Entry {
     int patch;
@@ -91,6 +92,7 @@ class CellIndex {
     std::vector<int> first;  ///< of each cell in entries; one more at the end
     std::vector<Entry> entries;
   };
+  void EnterPatches(const std::vector<SurfacePatch>& patches, int from_view, int to_view);
   std::vector<Cells> views_;
 };
 

@@ -59,7 +59,7 @@ std::vector<char> HiddenSightings(const Judge& judge, const SurfacePatch& patch)
 
 /// Takes the hidden sightings away; patches of which too little is left go.
 bool DropHidden(const StereoScene& scene, const Execution& execution, std::vector<SurfacePatch>& patches) {
-  const CellIndex index(scene, patches);
+  const CellIndex index(scene, patches, execution);
   const Judge judge{scene, patches, index};
   std::vector<std::vector<char>> hidden(patches.size());
   const bool finished = ParallelFor(
@@ -113,7 +113,7 @@ bool IsSmooth(const Judge& judge, const SurfacePatch& patch) {
 
 bool Keep(const StereoScene& scene, const Execution& execution, std::vector<SurfacePatch>& patches,
           bool (*passes)(const Judge&, const SurfacePatch&)) {
-  const CellIndex index(scene, patches);
+  const CellIndex index(scene, patches, execution);
   const Judge judge{scene, patches, index};
   std::vector<char> kept(patches.size());
   const bool finished = ParallelFor(
@@ -124,9 +124,9 @@ bool Keep(const StereoScene& scene, const Execution& execution, std::vector<Surf
   return true;
 }
 
-/// Removes pieces of surface with fewer than kMinGroup patches.
-void DropSmallGroups(const StereoScene& scene, std::vector<SurfacePatch>& patches) {
-  const CellIndex index(scene, patches);
+/// Removes pieces of surface with fewer than kMinGroup patches; too many when stopped.
+void DropSmallGroups(const StereoScene& scene, const Execution& execution, std::vector<SurfacePatch>& patches) {
+  const CellIndex index(scene, patches, execution);
   std::vector<int> group(patches.size(), -1);
   std::vector<int> size;
   for (std::size_t start = 0; start < patches.size(); ++start) {
@@ -170,7 +170,8 @@ std::optional<std::vector<SurfacePatch>> FilterPatches(const StereoScene& scene,
   if (!Keep(scene, execution, patches, IsBest)) return std::nullopt;
   if (!Keep(scene, execution, patches, IsSupported)) return std::nullopt;
   if (!Keep(scene, execution, patches, IsSmooth)) return std::nullopt;
-  DropSmallGroups(scene, patches);
+  DropSmallGroups(scene, execution, patches);
+  if (execution.Stopped()) return std::nullopt;
   return patches;
 }
 

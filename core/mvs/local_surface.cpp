@@ -177,7 +177,7 @@ std::optional<LocalSurface> FitLocalSurface(const StereoScene& scene, const std:
 }
 
 bool SmoothPatches(const StereoScene& scene, const Execution& execution, std::vector<SurfacePatch>& patches) {
-  const CellIndex index(scene, patches);
+  const CellIndex index(scene, patches, execution);
   std::vector<Smoothed> smoothed(patches.size());
   const bool finished = ParallelFor(
       execution, static_cast<int>(patches.size()), [&](int i) { smoothed[i] = Smooth(scene, index, patches[i]); },
