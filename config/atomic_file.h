@@ -11,6 +11,13 @@ namespace rigcal {
 /// kDiskFull, kIo (the folder is missing or may not be written); the temporary file is removed.
 Result<void> WriteFileAtomically(const std::filesystem::path& path, std::string_view bytes);
 
+/// Whether a file has the name that these functions give it until it is whole (".NAME.EXTENSION.XXXXXX"): a program
+/// that was killed leaves such ones.
+bool IsTemporaryName(std::string_view name);
+
+/// Brings what was done in a folder (a new name, one that is gone) to the disk. 0 or errno.
+int SyncFolder(const std::filesystem::path& folder);
+
 /// The Error for a file or folder that could not be written: kDiskFull or kIo by `error` (errno).
 tl::unexpected<Error> WriteFailure(const std::filesystem::path& path, int error);
 

@@ -127,6 +127,22 @@ Result<std::vector<std::string>> CheckContent(CalibrationStore& store, const std
   return findings;
 }
 
+Result<std::set<std::string>> RecordingsOfRevisions(CalibrationStore& store) {
+  std::set<std::string> recordings;
+  const auto rigs = store.Rigs();
+  if (!rigs) return Fail(rigs.error());
+  for (const std::string& rig : *rigs) {
+    const auto history = store.History(rig);
+    if (!history) return Fail(history.error());
+    for (const RevisionHead& head : history->revisions) {
+      for (const std::string& known : {head.origin.recording_id, head.origin.recording_sha256}) {
+        if (!known.empty()) recordings.insert(known);
+      }
+    }
+  }
+  return recordings;
+}
+
 const char* NameOf(PublishKind kind) {
   return kind == PublishKind::kPublish ? "publish" : "rollback";
 }

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -50,7 +51,7 @@ struct PublishEvent {
   int revision = 0;
   std::optional<int> previous;  ///< in force before; nothing: none was
   std::string by;               ///< person or service
-  std::string reason;           ///< never empty for a revision that was not accepted
+  std::string reason;           ///< never empty where a revision that was not accepted is published
 };
 
 /// A wish to move the pointer. `expected` is what the asker believes to be in force: compare-and-swap.
@@ -124,6 +125,10 @@ std::optional<int> RevisionBefore(const std::vector<PublishEvent>& events);
 /// What Check finds in every store: revisions that cannot be read or parsed, events that do not follow from each other.
 /// Errors: those of the store; kCancelled.
 Result<std::vector<std::string>> CheckContent(CalibrationStore& store, const std::stop_token& stop);
+
+/// What the revisions of all rigs were made from: the ids of recordings, and the SHA-256 of their recording.json, as
+/// far as they are known. Errors: those of the store.
+Result<std::set<std::string>> RecordingsOfRevisions(CalibrationStore& store);
 
 /// "publish" or "rollback".
 const char* NameOf(PublishKind kind);

@@ -34,9 +34,8 @@ Result<void> WriteSingleFile(const FormatEntry& entry, const std::string& text, 
 }  // namespace
 
 std::optional<ExportFormat> ExportFormatFromName(std::string_view name) {
-  for (const FormatEntry& entry : ExportFormats())
-    if (entry.name == name) return entry.format;
-  return std::nullopt;
+  const FormatEntry* entry = EntryNamed(name);
+  return entry == nullptr ? std::nullopt : std::optional(entry->format);
 }
 
 Result<std::vector<std::string>> Export(const RigCalibration& calibration, const ExportOptions& options,

@@ -18,12 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-tl::unexpected<Error> FolderFailure(const fs::path& path, int error) {
-  if (error == ENOSPC || error == EDQUOT)
-    return Fail(ErrorCode::kDiskFull, "{}: no space left on the disk", path.string());
-  return Fail(ErrorCode::kIo, "{}: cannot be written ({})", path.string(), std::generic_category().message(error));
-}
-
 /// A new folder beside `out`, removed at the end of its life with whatever it then holds.
 class TemporaryFolder {
  public:
@@ -96,7 +90,7 @@ Result<void> CheckMayBeReplaced(std::string_view format_name, const fs::path& ou
       return Fail(ErrorCode::kBadInput, "{}: is not as an export wrote it, so {} is kept", entry->path().string(),
                   out.string());
   }
-  if (error) return FolderFailure(out, error.value());
+  if (error) return WriteFailure(out, error.value());
   return {};
 }
 
@@ -105,7 +99,7 @@ Result<void> WriteAll(const ExportedFiles& files, const fs::path& folder) {
     const fs::path path = folder / name;
     std::error_code error;
     fs::create_directories(path.parent_path(), error);
-    if (error) return FolderFailure(path.parent_path(), error.value());
+    if (error) return WriteFailure(path.parent_path(), error.value());
     if (Result<void> written = WriteFileAtomically(path, content); !written) return written;
   }
   return {};
@@ -118,15 +112,15 @@ Result<void> ReplaceExportFolder(std::string_view format_name, ExportedFiles fil
   std::error_code error;
   // A link is followed, "a/b/" is "a/b", and "." has a name.
   fs::path place = fs::weakly_canonical(fs::absolute(out), error);
-  if (error) return FolderFailure(out, error.value());
+  if (error) return WriteFailure(out, error.value());
   if (!place.has_filename()) place = place.parent_path();
   if (Result<void> free = CheckMayBeReplaced(format_name, place); !free) return free;
   if (Result<void> parent = PrepareOutputFolder(place.parent_path()); !parent) return parent;
   files[kExportListFile] = ListText(format_name, files);
   const TemporaryFolder temporary(place);
-  if (temporary.Error() != 0) return FolderFailure(place, temporary.Error());
+  if (temporary.Error() != 0) return WriteFailure(place, temporary.Error());
   if (Result<void> written = WriteAll(files, temporary.Path()); !written) return written;
-  if (const int failure = temporary.TakeThePlaceOf(place); failure != 0) return FolderFailure(place, failure);
+  if (const int failure = temporary.TakeThePlaceOf(place); failure != 0) return WriteFailure(place, failure);
   return {};
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "config/atomic_file.h"
+#include "core/base/descriptor.h"
 
 namespace rigcal {
 namespace {
@@ -17,12 +18,9 @@ tl::unexpected<Error> IsThere(const std::filesystem::path& path) {
 }
 
 /// 0 or errno.
-int Sync(const std::filesystem::path& path, int flags) {
-  const int descriptor = open(path.c_str(), flags | O_CLOEXEC);
-  if (descriptor < 0) return errno;
-  const int error = fsync(descriptor) != 0 ? errno : 0;
-  close(descriptor);
-  return error;
+int SyncFile(const std::filesystem::path& path) {
+  const Descriptor opened(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  return opened.Open() && fsync(opened.Number()) == 0 ? 0 : errno;
 }
 
 }  // namespace
@@ -37,15 +35,14 @@ Result<void> NewFile::Begin() {
   if (std::filesystem::exists(path_, ignored)) return IsThere(path_);
   const std::filesystem::path folder = path_.has_parent_path() ? path_.parent_path() : ".";
   std::string name = (folder / fmt::format(".{}.XXXXXX", path_.filename().string())).string();
-  const int descriptor = mkostemp(name.data(), O_CLOEXEC);
-  if (descriptor < 0) return WriteFailure(path_, errno);
-  close(descriptor);
+  const Descriptor made(mkostemp(name.data(), O_CLOEXEC));
+  if (!made.Open()) return WriteFailure(path_, errno);
   temporary_ = name;
   return {};
 }
 
 Result<void> NewFile::Finish() {
-  if (const int error = Sync(temporary_, O_RDONLY); error != 0) return WriteFailure(path_, error);
+  if (const int error = SyncFile(temporary_); error != 0) return WriteFailure(path_, error);
   // A network file system may not know the flag: there the file that another makes at the same moment is replaced.
   int failed = renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, path_.c_str(), RENAME_NOREPLACE);
   if (failed != 0 && errno == EINVAL) failed = rename(temporary_.c_str(), path_.c_str());
@@ -53,7 +50,7 @@ Result<void> NewFile::Finish() {
   if (failed != 0) return WriteFailure(path_, errno);
   temporary_.clear();
   const std::filesystem::path folder = path_.has_parent_path() ? path_.parent_path() : ".";
-  if (const int error = Sync(folder, O_RDONLY | O_DIRECTORY); error != 0) return WriteFailure(path_, error);
+  if (const int error = SyncFolder(folder); error != 0) return WriteFailure(path_, error);
   return {};
 }
 

@@ -17,9 +17,20 @@ std::string NameOfRevision(const CalibrationRevision& revision) {
   return fmt::format("revision {} of rig '{}'", revision.head.number, revision.head.rig);
 }
 
-/// Locks the folder and writes the formats of the revision, hidden.
+/// Whoever reads the folder would take the cameras of one rig for those of another.
+Result<void> CheckRig(const std::string& rig, const std::filesystem::path& current_file) {
+  const Result<std::string> text = ReadFile(current_file);
+  const Json json = text ? Json::parse(*text, nullptr, false) : Json();
+  const Json::json_pointer place("/revision/rig");
+  if (!json.is_object() || !json.contains(place) || json[place] == rig) return {};
+  return Fail(ErrorCode::kBadInput, "{}: is that of the rig {}, not of '{}'; a rig needs a folder of its own",
+              current_file.string(), json[place].dump(-1, ' ', false, Json::error_handler_t::replace), rig);
+}
+
+/// Writes the formats of the revision, hidden, into the locked folder.
 Result<std::vector<std::string>> Stage(const CalibrationRevision& revision, const PublishFolder& target,
                                        StagedFiles& staged) {
+  if (auto free = CheckRig(revision.head.rig, target.folder / kCurrentFile); !free) return Fail(free.error());
   const auto content = ParseCalibration(revision.calibration_text, NameOfRevision(revision));
   if (!content) return Fail(content.error());
   return staged.Write(content->calibration, target.formats);

@@ -32,11 +32,11 @@ struct Published {
 };
 
 /// Publishes in the store, then in the folder. Every format is written before the pointer moves, so that one which
-/// cannot hold the revision is refused without a change; each then gets its name by an atomic rename, current.json
-/// last. All files may be read by everybody. The folder is locked meanwhile: who comes second waits (by the clock,
-/// until the stop token is set or kTimeout). When the pointer has moved and the folder fails, the message says so; that
-/// and a crash in between are mended by RepairPublished. Errors: those of the store, Export and PrepareOutputFolder;
-/// kIo, kDiskFull.
+/// cannot hold the revision, or whose place is taken by something else or another rig, is refused without a change;
+/// each then gets its name by an atomic rename, current.json last. All files may be read by everybody. The folder is
+/// locked meanwhile: who comes second waits (by the clock, until the stop token is set or kTimeout). When the pointer
+/// has moved and the folder fails, the message says so; that and a crash in between are mended by RepairPublished.
+/// Errors: those of the store, Export and PrepareOutputFolder; kIo, kDiskFull.
 Result<Published> PublishRevision(CalibrationStore& store, const PublishRequest& request, const PublishFolder& target,
                                   Clock& clock, const std::stop_token& stop);
 

@@ -1,13 +1,11 @@
 #include "config/recording_prune.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cctype>
 #include <cstdio>
 #include <system_error>
 
+#include "config/atomic_file.h"
+#include "config/read_file.h"
 #include "config/recording_check.h"
 #include "config/recording_file.h"
 
@@ -26,8 +24,8 @@ struct Candidate {
   std::string id;
   TimePoint taken;
   double bytes = 0;
-  bool needed = false;   ///< by a revision
-  bool foreign = false;  ///< holds something that is not its own
+  const char* why_needed = nullptr;  ///< null: it is not
+  bool foreign = false;              ///< holds something that is not its own
 };
 
 struct Found {
@@ -57,15 +55,8 @@ TimePoint TimeOf(const Recording& recording, const fs::path& folder) {
   if (last) return *last;
   std::error_code error;
   const auto written = fs::last_write_time(folder / kRecordingFile, error);
+  if (error) return TimePoint::max();  // what is not known to be old is not
   return std::chrono::time_point_cast<std::chrono::system_clock::duration>(fs::file_time_type::clock::to_sys(written));
-}
-
-/// ".NAME.XXXXXX" of an interrupted write.
-bool IsTemporary(const std::string& file) {
-  const std::string name = fs::path(file).filename().string(), extension = fs::path(name).extension().string();
-  constexpr std::size_t kRandomPart = 7;  // with its dot
-  return name.starts_with('.') && extension.size() == kRandomPart &&
-         std::all_of(extension.begin() + 1, extension.end(), [](unsigned char c) { return std::isalnum(c) != 0; });
 }
 
 double BytesBelow(const fs::path& folder) {
@@ -77,6 +68,17 @@ double BytesBelow(const fs::path& folder) {
       bytes += static_cast<double>(it->file_size(unknown));
   }
   return bytes;
+}
+
+/// Null where nobody needs it.
+const char* WhyNeeded(const fs::path& folder, const Recording& recording, const PruneOptions& options) {
+  if (options.needed.contains(recording.id) || options.needed.contains(folder.filename().string()))
+    return "it is needed";
+  constexpr const char* kOfRevision = "a revision was made from it";
+  if (options.of_revisions.contains(recording.id)) return kOfRevision;
+  const Result<std::string> text = ReadFile(folder / kRecordingFile);
+  if (!text) return "recording.json cannot be read any more";
+  return options.of_revisions.contains(Sha256Hex(*text)) ? kOfRevision : nullptr;
 }
 
 /// A folder below the one that is pruned, as far as it is a recording.
@@ -92,14 +94,13 @@ void LookAt(const fs::path& folder, const PruneOptions& options, Found& found) {
     found.remarks.push_back(fmt::format("{}: left alone: the recording is not closed", folder.string()));
     return;
   }
-  Candidate candidate{
-      .folder = folder,
-      .id = recording->id,
-      .taken = TimeOf(*recording, folder),
-      .bytes = BytesBelow(folder),
-      .needed = options.needed.contains(recording->id) || options.needed.contains(folder.filename().string())};
+  Candidate candidate{.folder = folder,
+                      .id = recording->id,
+                      .taken = TimeOf(*recording, folder),
+                      .bytes = BytesBelow(folder),
+                      .why_needed = WhyNeeded(folder, *recording, options)};
   for (const std::string& file : ForeignFiles(folder, *recording)) {
-    if (candidate.foreign || IsTemporary(file)) continue;
+    if (candidate.foreign || IsTemporaryName(fs::path(file).filename().string())) continue;
     candidate.foreign = true;
     found.remarks.push_back(fmt::format("{}: left alone: {} is not part of the recording", folder.string(), file));
   }
@@ -148,8 +149,9 @@ PruneReport Plan(const Found& found, const PruneOptions& options, TimePoint now,
   for (const Candidate& candidate : found.recordings) {
     const std::string why = WhyGo(options.rule, candidate, now, plan.num_left, free_bytes);
     if (why.empty() || candidate.foreign) continue;
-    if (candidate.needed) {
-      plan.remarks.push_back(fmt::format("{}: {}, stays because it is needed", candidate.folder.string(), why));
+    if (candidate.why_needed != nullptr) {
+      plan.remarks.push_back(
+          fmt::format("{}: {}, stays because {}", candidate.folder.string(), why, candidate.why_needed));
       continue;
     }
     plan.gone.push_back({candidate.folder, candidate.id, why, candidate.bytes});
@@ -175,20 +177,12 @@ tl::unexpected<Error> RemovalFailure(const fs::path& path, const std::string& re
   return Fail(ErrorCode::kIo, "{}: cannot be removed ({})", path.string(), reason);
 }
 
-/// So that what was done in a folder is done before what follows.
-void SyncFolder(const fs::path& folder) {
-  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) return;
-  fsync(descriptor);
-  close(descriptor);
-}
-
 /// A folder that already has the name of one to be removed.
 Result<void> RemoveDoomed(const fs::path& folder) {
   std::error_code error;
   fs::remove(folder / kRecordingFile, error);
   if (error) return RemovalFailure(folder, error.message());
-  SyncFolder(folder);
+  SyncFolder(folder);  // before the rest goes; where it cannot be synced the name still says what it is
   fs::remove_all(folder, error);
   if (error) return RemovalFailure(folder, error.message());
   return {};
@@ -206,6 +200,7 @@ Result<void> RemoveRecording(const fs::path& folder) {
 /// Does what was planned, and ends at the first failure; the report then has what went.
 void Carry(PruneReport& report, const std::vector<fs::path>& doomed, const std::stop_token& stop) {
   for (const fs::path& folder : doomed) {
+    if (stop.stop_requested()) break;
     if (const Result<void> removed = RemoveDoomed(folder); !removed && !report.failure)
       report.failure = removed.error();
   }

@@ -16,8 +16,9 @@ namespace rigcal {
 
 struct PruneOptions {
   KeepRule rule;
-  std::set<std::string> needed;  ///< ids, or names of folders, of recordings that a revision needs: they never go
-  bool dry_run = false;          ///< says what would go, and touches nothing
+  std::set<std::string> needed;  ///< ids, or names of folders, of recordings that somebody wants to keep: they never go
+  std::set<std::string> of_revisions;  ///< RecordingsOfRevisions: they never go either
+  bool dry_run = false;                ///< says what would go, and touches nothing
 };
 
 /// What pruning sees of the machine, so that tests can hold it.

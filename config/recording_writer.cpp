@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <regex>
 #include <utility>
 
 #include "config/atomic_file.h"
@@ -15,13 +14,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Removes what WriteFileAtomically leaves when it is killed: ".NAME.EXTENSION.XXXXXX".
+/// Removes what WriteFileAtomically leaves when it is killed.
 Result<void> RemoveTemporaryFiles(const fs::path& folder) {
-  static const std::regex kTemporary(R"(\..+\..+\.[A-Za-z0-9]{6})");
   std::vector<fs::path> left;
   std::error_code error;
   for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    if (it->is_regular_file(error) && std::regex_match(it->path().filename().string(), kTemporary)) {
+    if (it->is_regular_file(error) && IsTemporaryName(it->path().filename().string())) {
       left.push_back(it->path());
     }
   }

@@ -64,15 +64,13 @@ std::vector<std::string> NamesShown(const fs::path& folder) {
 }  // namespace
 
 std::string PublishedName(const std::string& format) {
-  if (format == "middlebury") return "cameras_par.txt";
-  if (format == "opencv") return "opencv.yml";
-  return format;
+  const FormatEntry* entry = EntryNamed(format);
+  return entry == nullptr || entry->published_name.empty() ? format : std::string(entry->published_name);
 }
 
 StagedFiles::~StagedFiles() {
   std::error_code ignored;
   if (!staged_.empty() && !linked_) fs::remove_all(staged_, ignored);
-  if (lock_ >= 0) close(lock_);
 }
 
 Result<void> StagedFiles::Lock(Clock& clock, const std::stop_token& stop) {
@@ -80,17 +78,19 @@ Result<void> StagedFiles::Lock(Clock& clock, const std::stop_token& stop) {
   const bool is_new = !fs::exists(folder_, error);
   if (auto ready = PrepareOutputFolder(folder_); !ready) return ready;
   if (is_new) fs::permissions(folder_, kFolderMode, error);
-  lock_ = open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (lock_ < 0) return WriteFailure(folder_, errno);
+  lock_ = Descriptor(open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!lock_.Open()) return WriteFailure(folder_, errno);
   const double begin_s = clock.NowS();
-  while (flock(lock_, LOCK_EX | LOCK_NB) != 0) {
+  while (flock(lock_.Number(), LOCK_EX | LOCK_NB) != 0) {
     if (errno == EINTR) continue;
     if (errno != EWOULDBLOCK) return WriteFailure(folder_, errno);
     if (clock.NowS() - begin_s > kLockTimeoutS) {
       return Fail(ErrorCode::kTimeout, "{}: another publisher has held the folder for {} s", folder_.string(),
                   kLockTimeoutS);
     }
-    if (!clock.Wait(kLockPauseS, stop)) return Fail(ErrorCode::kCancelled, "publishing was stopped");
+    if (!clock.Wait(kLockPauseS, stop)) {
+      return Fail(ErrorCode::kCancelled, "{}: publishing there was stopped on request", folder_.string());
+    }
   }
   return {};
 }
@@ -103,16 +103,30 @@ Result<std::vector<std::string>> StagedFiles::Write(const RigCalibration& calibr
   if (mkdtemp(pattern.data()) == nullptr) return WriteFailure(folder_, errno);
   staged_ = pattern;
   for (const PublishedFormat& wanted : formats) {
-    const auto format = ExportFormatFromName(wanted.format);
-    if (!format) return Fail(ErrorCode::kBadInput, "'{}' is no format to publish in", wanted.format);
+    const FormatEntry* entry = EntryNamed(wanted.format);
+    if (entry == nullptr) return Fail(ErrorCode::kBadInput, "'{}' is no format to publish in", wanted.format);
     const std::string name = PublishedName(wanted.format);
-    const auto exported = Export(calibration, {*format, wanted.undistorted}, staged_ / name);
+    if (std::ranges::find(names_, name) != names_.end()) {
+      return Fail(ErrorCode::kBadInput, "{}: the format '{}' is asked for twice", folder_.string(), wanted.format);
+    }
+    if (auto free = CheckPlace(name, entry->is_folder); !free) return Fail(free.error());
+    const auto exported = Export(calibration, {entry->format, wanted.undistorted}, staged_ / name);
     if (!exported) return Fail(exported.error());
     for (const std::string& note : *exported) notes.push_back(fmt::format("{}: {}", name, note));
     names_.push_back(name);
   }
   if (auto readable = LetAllRead(staged_); !readable) return Fail(readable.error());
   return notes;
+}
+
+Result<void> StagedFiles::CheckPlace(const std::string& name, bool is_folder) const {
+  const fs::path place = folder_ / name;
+  std::error_code error;
+  const fs::file_type there = fs::symlink_status(place, error).type();
+  const fs::path link = fs::read_symlink(place, error);
+  const bool own_link = !link.empty() && link.begin()->string().starts_with(kHiddenFolder);
+  if (there == fs::file_type::not_found || (is_folder ? own_link : there == fs::file_type::regular)) return {};
+  return Fail(ErrorCode::kBadInput, "{}: was not published by rigcal, and is kept", place.string());
 }
 
 Result<void> StagedFiles::ShowFolder(const std::string& name) {
@@ -145,7 +159,7 @@ Result<void> StagedFiles::Show(const std::string& current_text) {
   for (const std::string& name : names_before) {
     if (std::ranges::find(names_, name) == names_.end()) fs::remove(folder_ / name, ignored);
   }
-  if (fsync(lock_) != 0) return WriteFailure(folder_, errno);
+  if (fsync(lock_.Number()) != 0) return WriteFailure(folder_, errno);
   RemoveOldFolders();
   return {};
 }

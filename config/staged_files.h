@@ -5,11 +5,12 @@
 #include <vector>
 
 #include "config/publish_files.h"
+#include "core/base/descriptor.h"
 #include "core/scene/rig_calibration.h"
 
 namespace rigcal {
 
-/// The name below the publish folder of a format's file or folder.
+/// The name below the publish folder of a format's file or folder; `format` itself where it is none.
 std::string PublishedName(const std::string& format);
 
 /// A locked publish folder and a hidden folder in it, where the formats are written before they get their names.
@@ -24,7 +25,8 @@ class StagedFiles {
   /// Makes the folder and locks it. Errors: those of PrepareOutputFolder, kTimeout, kCancelled, kIo.
   Result<void> Lock(Clock& clock, const std::stop_token& stop);
 
-  /// Writes every format, hidden. Returns what the exports note. Errors: those of Export; kBadInput: an unknown format.
+  /// Writes every format, hidden. Returns what the exports note. Errors: those of Export; kBadInput: an unknown format,
+  /// one that is asked for twice, or something in its place that is not of an earlier publication.
   Result<std::vector<std::string>> Write(const RigCalibration& calibration,
                                          const std::vector<PublishedFormat>& formats);
 
@@ -35,6 +37,8 @@ class StagedFiles {
   Result<void> Show(const std::string& current_text);
 
  private:
+  /// Errors: kBadInput: what has the name now would not give way to it.
+  Result<void> CheckPlace(const std::string& name, bool is_folder) const;
   Result<void> ShowFolder(const std::string& name);
   void RemoveOldFolders() const;
 
@@ -42,7 +46,7 @@ class StagedFiles {
   std::vector<std::string> names_;
   std::string shown_before_;  ///< hidden folder that the links led to
   bool linked_ = false;       ///< a link leads to staged_
-  int lock_ = -1;
+  Descriptor lock_;           ///< of the folder
 };
 
 }  // namespace rigcal

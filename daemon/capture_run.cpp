@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <opencv2/imgcodecs.hpp>
 #include <system_error>
 #include <utility>
 
 #include "core/base/ensure.h"
+#include "core/base/joined.h"
 
 namespace rigcal {
 namespace {
@@ -117,6 +119,45 @@ Result<void> CheckSamePlace(const RecordedStop& reached, const Recording& record
       "{}: stop '{}' of the recording is {:.6f} m and {:.6f} rad from where the arm is now, {:.6f} m and {:.6f} "
       "rad are allowed",
       request.out.string(), reached.id, shifted_m, turned_rad, request.same_place_m, request.same_place_rad);
+}
+
+/// Two commanded values, rad or m, are one within this: far below what a positioner resolves, far above what degrees
+/// and decimal digits round.
+constexpr double kSameCommand = 1e-9;
+
+std::string PlaceText(const std::vector<double>& axes) {
+  std::vector<std::string> values;
+  for (const double value : axes) values.push_back(fmt::format("{:.6g}", value));
+  return fmt::format("[{}]", Joined(values, ", "));
+}
+
+/// The stops that a recording has are those that are asked for: pictures of one stop are of one place, and none that
+/// lacks a picture is left out.
+Result<void> CheckStopsOfPlan(const Recording& recording, const CaptureRequest& request) {
+  for (const RecordedStop& recorded : recording.stops) {
+    const auto planned = std::ranges::find_if(request.plan.stops,
+                                              [&](const PlannedStop& stop) { return stop.target.id == recorded.id; });
+    if (planned == request.plan.stops.end()) {
+      return Fail(ErrorCode::kBadInput, "{}: stop '{}' of the recording is none of those that are asked for",
+                  request.out.string(), recorded.id);
+    }
+    std::vector<double> before;
+    for (const AxisPosition& axis : recorded.axes) before.push_back(axis.commanded);
+    const auto same = [](double a, double b) { return std::abs(a - b) <= kSameCommand; };
+    if (std::ranges::equal(before, planned->target.axes, same)) continue;
+    return Fail(ErrorCode::kBadInput, "{}: stop '{}' of the recording is at {} (rad or m), not at {}",
+                request.out.string(), recorded.id, PlaceText(before), PlaceText(planned->target.axes));
+  }
+  return {};
+}
+
+/// What goes on is the recording that was begun: its kind of pictures, its stops.
+Result<void> CheckSameRecording(const RecordingWriter& writer, bool linear, const CaptureRequest& request) {
+  if (writer.Content().linear != linear) {
+    return Fail(ErrorCode::kBadInput, "{}: the recording's pictures are {}, the rig's cameras give {} ones",
+                request.out.string(), linear ? "gamma-encoded" : "linear", linear ? "linear" : "gamma-encoded");
+  }
+  return request.plan.cameras_at ? Result<void>() : CheckStopsOfPlan(writer.Content(), request);
 }
 
 /// The plan without what the recording has; stops without anything left are not visited.
@@ -247,6 +288,7 @@ Result<CaptureOutcome> CaptureRecording(const AcquisitionDevices& devices, const
   Result<RecordingWriter> writer =
       request.resume ? RecordingWriter::Resume(request.out) : RecordingWriter::Create(request.out, request.id, *linear);
   if (!writer) return Fail(writer.error());
+  if (Result<void> same = CheckSameRecording(*writer, *linear, request); !same) return Fail(same.error());
   if (Result<void> same = MatchCameras(devices, *writer, request.out); !same) return Fail(same.error());
   const AcquisitionPlan missing = Missing(request.plan, devices, writer->Content(), request);
   if (request.resume) room = CheckSpace(devices, missing, request);

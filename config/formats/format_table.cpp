@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
+
 #include "config/formats/writers.h"
 #include "core/base/ensure.h"
 
@@ -22,6 +25,7 @@ constexpr FormatEntry kFormats[] = {
      .is_folder = false,
      .files = MiddleburyFiles,
      .gaps = kNoDistortion | kNamesAreWords,
+     .published_name = "cameras_par.txt",
      .holds = "`*_par.txt` as above: K, R, t",
      .pixel_origin = "not stated by the format; centre is written",
      .axes = kOpenCvAxes,
@@ -64,6 +68,7 @@ constexpr FormatEntry kFormats[] = {
      .is_folder = false,
      .files = OpenCvFiles,
      .gaps = kNoSkew,
+     .published_name = "opencv.yml",
      .holds = "FileStorage YAML: `unit`; `cameras`, a list of `id image_width image_height` (both only when known) "
               "`camera_matrix distortion_coefficients` (k1 k2 p1 p2 k3); `views`, a list of `name`, `camera` (index "
               "into `cameras`, from 0), `rvec`, `tvec` (world to camera)",
@@ -173,6 +178,11 @@ const FormatEntry& EntryOf(ExportFormat format) {
   const FormatEntry& entry = kFormats[static_cast<std::size_t>(format)];
   Ensure(entry.format == format, "the table of formats is in the order of ExportFormat");
   return entry;
+}
+
+const FormatEntry* EntryNamed(std::string_view name) {
+  const auto* found = std::ranges::find(kFormats, name, &FormatEntry::name);
+  return found == std::end(kFormats) ? nullptr : found;
 }
 
 std::string FormatTableText() {

@@ -36,7 +36,8 @@ struct FormatEntry {
   bool is_folder;          ///< several files in a folder; otherwise one file
   Result<ExportedFiles> (*files)(const RigCalibration& calibration);
   Gaps gaps;
-  std::string_view caveat;  ///< a sentence that every user of the format should read, or empty
+  std::string_view caveat;          ///< a sentence that every user of the format should read, or empty
+  std::string_view published_name;  ///< of its file in a publish folder; empty: its name
   // For docs/formats.md:
   std::string_view holds, pixel_origin, axes, verified;
 };
@@ -44,6 +45,8 @@ struct FormatEntry {
 /// In the order of ExportFormat.
 std::span<const FormatEntry> ExportFormats();
 const FormatEntry& EntryOf(ExportFormat format);
+/// The format that the name stands for ("colmap"); null for another name.
+const FormatEntry* EntryNamed(std::string_view name);
 
 /// The rows of docs/formats.md's table of exports.
 std::string FormatTableText();

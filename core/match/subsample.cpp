@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "core/base/ensure.h"
 #include "core/base/random.h"
 
 namespace rigcal {
@@ -52,6 +53,7 @@ std::vector<int> SubsamplePatches(const std::vector<Patch>& patches, const std::
   std::iota(kept.begin(), kept.end(), 0);
   const double share = ShareToKeep(patches, options);
   if (share >= 1 || patches.empty()) return kept;
+  Ensure(options.blocks_per_side > 0, "without a block of a picture no feature would be kept");
 
   std::vector<std::vector<int>> ranks;
   for (std::size_t v = 0; v < views.size(); ++v) {

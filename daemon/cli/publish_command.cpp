@@ -19,8 +19,8 @@ struct PublishArguments {
   bool undistorted = false;
 };
 
-Result<std::optional<int>> Expected(const PublishArguments& arguments, OpenedRig& opened) {
-  if (arguments.expected.empty()) return NumberInForce(opened);
+Result<std::optional<int>> Expected(const PublishArguments& arguments, const std::optional<int>& in_force) {
+  if (arguments.expected.empty()) return in_force;
   if (arguments.expected == "none") return std::nullopt;
   const auto number = RevisionNumber(arguments.expected);
   if (!number) return Fail(number.error());
@@ -67,12 +67,16 @@ int Run(const char* name, PublishKind kind, const PublishArguments& arguments, c
   }
   auto opened = OpenRig(arguments.choice);
   if (!opened) return FailWith(name, opened.error());
+  const auto in_force = NumberInForce(*opened);
+  if (!in_force) return FailWith(name, in_force.error());
+  const auto expected = Expected(arguments, *in_force);
+  if (!expected) return FailWith(name, expected.error());
+  // Read after what is in force: whoever publishes in between is noticed by compare-and-swap.
   const auto number =
       kind == PublishKind::kRollback ? RollbackTarget(arguments, *opened) : RevisionNumber(arguments.revision);
   if (!number) return FailWith(name, number.error());
-  const auto expected = Expected(arguments, *opened);
-  if (!expected) return FailWith(name, expected.error());
-  if (kind == PublishKind::kPublish && *expected == *number && !arguments.publish_dir.empty()) {
+  const bool is_in_force = *in_force == *number && *expected == *in_force;
+  if (kind == PublishKind::kPublish && is_in_force && !arguments.publish_dir.empty()) {
     return WriteFiles(name, arguments, *opened, session.stop);
   }
   const PublishRequest request{.rig = opened->rig,

@@ -2,14 +2,17 @@
 
 #include <cstdio>
 #include <memory>
+#include <set>
 
 #include "config/recording_check.h"
 #include "config/recording_file.h"
 #include "config/recording_import.h"
 #include "config/recording_prune.h"
 #include "config/rig_file.h"
+#include "config/store/sqlite_store.h"
 #include "daemon/cli/number_options.h"
 #include "daemon/cli/run_request.h"
+#include "daemon/cli/store_options.h"
 
 namespace rigcal {
 namespace {
@@ -50,15 +53,30 @@ int RunCheck(const std::filesystem::path& folder, const CommandSession& session)
 
 struct PruneArguments {
   std::filesystem::path rig, recordings;
+  std::optional<std::filesystem::path> state;  ///< nothing: the usual one, where it has a store
   std::vector<std::string> keep;
   bool dry_run = false;
 };
 
+/// What the revisions of the store were made from. Without a store in the usual place there are none.
+Result<std::set<std::string>> OfRevisions(const PruneArguments& arguments) {
+  const std::filesystem::path file = arguments.state.value_or(StoreChoice().state) / kStoreFile;
+  const auto store = OpenSqliteStore(file);
+  if (store) return RecordingsOfRevisions(**store);
+  if (arguments.state || store.error().code != ErrorCode::kNotFound) return Fail(store.error());
+  fmt::print("note: {}: there is no calibration store, so only --keep says what is needed\n", file.string());
+  return std::set<std::string>();
+}
+
 int RunPrune(const PruneArguments& arguments, const CommandSession& session) {
   const Result<RigFile> rig = LoadRig(arguments.rig);
   if (!rig) return FailWith("recording prune", rig.error());
-  const PruneOptions options{
-      .rule = rig->keep, .needed = {arguments.keep.begin(), arguments.keep.end()}, .dry_run = arguments.dry_run};
+  const auto of_revisions = OfRevisions(arguments);
+  if (!of_revisions) return FailWith("recording prune", of_revisions.error());
+  const PruneOptions options{.rule = rig->keep,
+                             .needed = {arguments.keep.begin(), arguments.keep.end()},
+                             .of_revisions = *of_revisions,
+                             .dry_run = arguments.dry_run};
   const auto report = PruneRecordings(arguments.recordings, options, RealSurroundings(), session.stop);
   if (!report) return FailWith("recording prune", report.error());
   for (const PrunedRecording& gone : report->gone)
@@ -74,7 +92,9 @@ void AddPruneCommand(CLI::App& recording, CommandSession& session) {
   const auto arguments = std::make_shared<PruneArguments>();
   command->add_option("--rig", arguments->rig, "rig.toml; its [keep] is the rule")->required();
   command->add_option("--recordings", arguments->recordings, "Folder in which the recordings lie")->required();
-  command->add_option("--keep", arguments->keep, "Ids of recordings that never go")->delimiter(',');
+  command->add_option("--state", arguments->state,
+                      "Folder with the calibration store, whose revisions' recordings never go; else /var/lib/rigcal");
+  command->add_option("--keep", arguments->keep, "Ids of other recordings that never go")->delimiter(',');
   command->add_flag("--dry-run", arguments->dry_run, "Says what would go, and touches nothing");
   command->callback([arguments, &session] { session.exit_status = RunPrune(*arguments, session); });
 }

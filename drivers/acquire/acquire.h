@@ -79,11 +79,11 @@ struct AcquisitionOutcome {
 /// The acquisition: homes, and for each stop moves (or waits for whoever moves), settles, fires all cameras together,
 /// collects their pictures, checks each one and takes it again where it is bad or missing, and hands the good ones to
 /// `store`, which works while the table moves on. A camera that fails is brought back, once those that did not have
-/// given their pictures. However it ends, the positioner is halted, and what was taken is stored (on cancellation: but
-/// for what was still waiting). Errors: kDevice, kTimeout of the positioner; kDevice naming camera and stop: gone for
-/// longer than settings.recover_s, or its picture is not good after settings.retakes; those of `store` and of
-/// `cameras_at`; kTimeout: the disk takes nothing for a minute; kCancelled within a second, or when the picture that is
-/// being stored is.
+/// given their pictures. However it ends, the positioner is halted, and what was taken is stored (on cancellation and
+/// after an exception: but for what was still waiting). Errors: kDevice, kTimeout of the positioner; kDevice naming
+/// camera and stop: gone for longer than settings.recover_s, or its picture is not good after settings.retakes; those
+/// of `store` and of `cameras_at`; kTimeout: the disk takes nothing for a minute; kCancelled within a second, or when
+/// the picture that is being stored is.
 Result<AcquisitionOutcome> Acquire(const AcquisitionDevices& devices, const AcquisitionPlan& plan,
                                    const StorePicture& store,
                                    const std::function<void(const AcquisitionProgress&)>& listener,

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
 #include "core/image/exposure.h"
+#include "drivers/acquire/same_bytes.h"
 
 namespace rigcal {
 namespace {
@@ -57,14 +57,6 @@ double SharpnessOf(const cv::Mat1b& gray) {
   cv::Laplacian(half, laplacian, CV_16S);
   const double square_sum = std::pow(cv::norm(laplacian, cv::NORM_L2), 2);
   return square_sum / static_cast<double>(half.total()) / (sigma[0] * sigma[0]);
-}
-
-bool SameBytes(const cv::Mat& a, const cv::Mat& b) {
-  if (a.size() != b.size() || a.type() != b.type()) return false;
-  for (int y = 0; y < a.rows; ++y) {
-    if (std::memcmp(a.ptr(y), b.ptr(y), a.cols * a.elemSize()) != 0) return false;
-  }
-  return true;
 }
 
 }  // namespace

@@ -90,5 +90,16 @@ TEST(ReadFile, HashesAsOthersDo) {
   EXPECT_FALSE(ReadFile(folder.Path()));
 }
 
+TEST(AtomicFile, KnowsWhatAKilledProgramLeaves) {
+  for (const char* left : {".recording.json.Ab3dE6", ".left_00.png.000000", ".a.b.c.zzzzzz", ".probe.Ab3dE6"}) {
+    EXPECT_TRUE(IsTemporaryName(left)) << left;
+  }
+  for (const char* other :
+       {"recording.json", ".recording.json", "recording.json.Ab3dE6", ".recording.json.Ab3dE", "",
+        ".recording.json.Ab3dE67", ".recording.json.Ab-dE6", ".config.backup", "..a.Ab3dE6", ".Ab3dE6", ".a..Ab3dE6"}) {
+    EXPECT_FALSE(IsTemporaryName(other)) << other;
+  }
+}
+
 }  // namespace
 }  // namespace rigcal

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "config/read_file.h"
 #include "config/recording_file.h"
 #include "tests/config/refusals.h"
 #include "tests/config/temporary_folder.h"
@@ -98,6 +99,16 @@ TEST_F(PruneTest, WhatIsNeededStaysAndIsNamed) {
                                           HasSubstr("b: 29.0 days old (limit 5), stays because it is needed"),
                                           "there is no closed recording 'night' to be kept",
                                           "2 recordings stay (limit 1): nothing else may go"));
+}
+
+TEST_F(PruneTest, WhatARevisionWasMadeFromStays) {
+  Add("a", 1), Add("b", 2), Add("c", 3), Add("d", 30);
+  const std::string of_b = Sha256Hex(*ReadFile(folder_.Path() / "b" / kRecordingFile));
+  const PruneReport report = Prune({.rule = {.max_age_days = 5}, .of_revisions = {"id-a", of_b, "elsewhere"}});
+  EXPECT_THAT(Left(), ElementsAre("a", "b", "d")) << "by its id, or by its list's checksum where no id is known";
+  EXPECT_THAT(report.remarks, ElementsAre(HasSubstr("a: 30.0 days old (limit 5), stays because a revision was made"),
+                                          HasSubstr("b: 29.0 days old (limit 5), stays because a revision was made")))
+      << "revisions are made from recordings that lie elsewhere, too";
 }
 
 TEST_F(PruneTest, WhatIsNoWholeRecordingIsLeftAlone) {

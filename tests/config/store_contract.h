@@ -101,6 +101,19 @@ inline void ExpectSame(const CalibrationRevision& stored, const CalibrationRevis
   }
 }
 
+TEST_P(StoreContract, KnowsTheRecordingsOfAllRigs) {
+  EXPECT_TRUE(RecordingsOfRevisions(*store_)->empty());
+  CalibrationRevision unknown = ExampleRevision("other", 2);
+  unknown.head.origin.recording_id.clear();
+  unknown.head.origin.recording_sha256 = std::string(64, 'c');
+  ASSERT_TRUE(store_->Append(unknown));
+  Append(1);
+  unknown.head.origin.recording_sha256.clear();  // pictures that were no recording
+  ASSERT_TRUE(store_->Append(unknown));
+  EXPECT_THAT(*RecordingsOfRevisions(*store_),
+              ::testing::UnorderedElementsAre("night 1", std::string(64, 'a'), std::string(64, 'c')));
+}
+
 TEST_P(StoreContract, KeepsEveryFieldForAnotherConnection) {
   const int first = Append(1);
   CalibrationRevision given = ExampleRevision("studio", 2, Verdict::kRejected);

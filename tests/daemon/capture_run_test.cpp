@@ -97,6 +97,32 @@ TEST_F(CaptureRun, ResumingNeedsTheSameCameras) {
   ASSERT_FALSE(outcome);
   EXPECT_EQ(outcome.error().code, ErrorCode::kBadInput);
   EXPECT_THAT(outcome.error().message, HasSubstr("'middle'"));
+  left_.linear = right_.linear = false;
+  const auto other_kind = Run();
+  ASSERT_FALSE(other_kind);
+  EXPECT_THAT(other_kind.error().message, HasSubstr("pictures are linear, the rig's cameras give gamma-encoded ones"));
+}
+
+TEST_F(CaptureRun, ResumingNeedsTheSamePlaces) {
+  right_.script = {{1, ShotKind::kDark}, {2, ShotKind::kDark}, {3, ShotKind::kDark}};
+  ASSERT_FALSE(Run());
+  ASSERT_THAT(Listed(), ElementsAre("left_00.png", "right_2_00.png", "left_01.png"));
+  request_.resume = true;
+  log_.clear();
+  AcquisitionPlan& plan = request_.plan;
+  plan.stops[1].target.axes = {0.6};  // the other picture of the stop was taken at 0.5
+  const auto elsewhere = Run();
+  ASSERT_FALSE(elsewhere);
+  EXPECT_EQ(elsewhere.error().code, ErrorCode::kBadInput);
+  EXPECT_THAT(elsewhere.error().message, HasSubstr("stop '01' of the recording is at [0.5] (rad or m), not at [0.6]"));
+  plan.stops[1].target.axes = {0.5, 0.1};
+  EXPECT_THAT(Run().error().message, HasSubstr("not at [0.5, 0.1]"));
+  plan.stops.resize(1);
+  const auto fewer = Run();
+  ASSERT_FALSE(fewer) << "a stop that lacks a picture would be taken for a whole one";
+  EXPECT_THAT(fewer.error().message, HasSubstr("stop '01' of the recording is none of those that are asked for"));
+  EXPECT_FALSE(LoadRecording(request_.out)->closed);
+  EXPECT_THAT(log_, IsEmpty()) << "nothing moves";
 }
 
 /// The same cameras at an arm that says its stops itself.

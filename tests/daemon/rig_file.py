@@ -7,6 +7,8 @@ import subprocess
 import sys
 import tempfile
 
+from store_cli import sha256, write_result
+
 RIG = """[positioner]
 kind = "turntable"
 [stops]
@@ -67,19 +69,28 @@ def record(folder, day):
 
 def check_prune(rigcal, folder):
     rig, recordings = folder / "rig.toml", folder / "recordings"
-    for day, name in enumerate(("first", "second", "third"), 1):
+    for day, name in enumerate(("used", "first", "second", "third"), 1):
         record(recordings / name, day)
-    prune = ["recording", "prune", "--rig", rig, "--recordings", recordings, "--keep", "first,other"]
-    wrong = expect("dry run", run(rigcal, *prune, "--dry-run"), 0, "would go: ", "second: the oldest of 3 recordings",
-                   "'other'", "2 would go, 1 left")
-    wrong += expect("dry run twice", run(rigcal, *prune, "--dry-run"), 0, "2 would go, 1 left")
-    wrong += expect("prune", run(rigcal, *prune), 0, "gone: ", "2 gone, 1 left")
+    listed = {"file": "recording.json", "sha256": sha256(recordings / "used/recording.json")}
+    made = run(rigcal, "store", "add", write_result(folder / "result", "accepted", inputs=[listed]), "--rig", "studio",
+               "--state", folder / "state")
+    wrong = expect("a revision of the oldest", made, 0, "revision 1")
+    prune = ["recording", "prune", "--rig", rig, "--recordings", recordings, "--keep", "first,other", "--state", folder / "state"]
+    wrong += expect("dry run", run(rigcal, *prune, "--dry-run"), 0, "would go: ", "second: the oldest of 4 recordings",
+                    "used: the oldest of 4 recordings (limit 1), stays because a revision was made from it",
+                    "'other'", "2 would go, 2 left")
+    wrong += expect("dry run twice", run(rigcal, *prune, "--dry-run"), 0, "2 would go, 2 left")
+    wrong += expect("no store", run(rigcal, *prune[:-1], folder / "none"), 2, "there is no calibration store")
+    (folder / "torn").mkdir()
+    (folder / "torn/calibrations.sqlite").write_text("this is no database, it is much rather a letter to a friend")
+    wrong += expect("a store that cannot be read", run(rigcal, *prune[:-1], folder / "torn"), 2, "torn")
+    wrong += expect("prune", run(rigcal, *prune), 0, "gone: ", "2 gone, 2 left")
     left = sorted(path.name for path in recordings.iterdir())
-    if left != ["first"]:
+    if left != ["first", "used"]:
         print(f"left: {left}")
         wrong += 1
-    return wrong + expect("no folder", run(rigcal, "recording", "prune", "--rig", rig, "--recordings", folder / "none"),
-                          2, "none: cannot be read as a folder")
+    return wrong + expect("no folder", run(rigcal, "recording", "prune", "--rig", rig, "--recordings", folder / "none",
+                                           "--state", folder / "state"), 2, "none: cannot be read as a folder")
 
 
 def main():

@@ -2,8 +2,9 @@
 
 #include <gmock/gmock.h>
 
-#include <cstring>
 #include <limits>
+
+#include "drivers/acquire/same_bytes.h"
 
 namespace rigcal {
 
@@ -19,14 +20,6 @@ constexpr double kOuttime_s = 3;  ///< how long a camera is gone that comes back
 template <typename T>
 std::string MessageOf(const Result<T>& result) {
   return result ? "no error" : result.error().message;
-}
-
-bool SameBytes(const cv::Mat& a, const cv::Mat& b) {
-  if (a.size() != b.size() || a.type() != b.type()) return false;
-  for (int y = 0; y < a.rows; ++y) {
-    if (std::memcmp(a.ptr(y), b.ptr(y), a.cols * a.elemSize()) != 0) return false;
-  }
-  return true;
 }
 
 }  // namespace

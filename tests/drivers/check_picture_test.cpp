@@ -5,6 +5,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "drivers/acquire/same_bytes.h"
 #include "tests/drivers/scripted_devices.h"
 
 namespace rigcal {
@@ -40,6 +41,17 @@ TEST(MeasurePicture, BlurTakesSharpnessAwayAndContrastDoesNot) {
   EXPECT_LT(MeasurePicture(blurred).sharpness, 0.2 * sharpness);
   EXPECT_NEAR(MeasurePicture(faint).sharpness, sharpness, 0.05 * sharpness);
   EXPECT_EQ(MeasurePicture(cv::Mat(8, 8, CV_8U, cv::Scalar(7))).sharpness, 0);
+}
+
+TEST(SameBytes, OfOneSizeAndTypeOnly) {
+  const cv::Mat picture = TexturedPicture(1);
+  EXPECT_TRUE(SameBytes(picture, picture.clone()));
+  EXPECT_TRUE(SameBytes(picture.colRange(0, 10), picture.colRange(0, 10).clone())) << "rows of a part are not together";
+  cv::Mat other = picture.clone();
+  other.at<std::uint8_t>(other.rows - 1, other.cols - 1) ^= 1;
+  EXPECT_FALSE(SameBytes(picture, other));
+  EXPECT_FALSE(SameBytes(picture, picture.rowRange(0, 10)));
+  EXPECT_FALSE(SameBytes(picture, cv::Mat(picture.size(), CV_16U, cv::Scalar(0))));
 }
 
 TEST(PictureCheck, JudgesAgainstTheLastGoodOne) {

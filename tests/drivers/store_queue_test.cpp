@@ -89,14 +89,20 @@ TEST(StoreQueue, AStopTokenEndsAWaitForRoom) {
 }
 
 TEST(StoreQueue, WhatWaitsIsDroppedAtTheEnd) {
-  Disk disk;
-  {
-    StoreQueue queue([&](const TakenPicture& taken) { return disk.Store(taken); }, 2);
-    Fill(queue, disk);
-    auto opened = std::async(std::launch::async, [&] { disk.Open(); });
+  constexpr std::size_t kTries = 100;  // whether the disk opens before the end begins is left to chance
+  std::size_t num_stored = 0;
+  for (std::size_t i = 0; i < kTries; ++i) {
+    Disk disk;
+    std::future<void> opened;
+    {
+      StoreQueue queue([&](const TakenPicture& taken) { return disk.Store(taken); }, 2);
+      Fill(queue, disk);
+      opened = std::async(std::launch::async, [&] { disk.Open(); });
+    }
+    ASSERT_EQ(disk.stored.at(0), 0) << "what is being stored is stored";
+    num_stored += disk.stored.size();
   }
-  EXPECT_LE(disk.stored.size(), 3);
-  EXPECT_EQ(disk.stored.at(0), 0);
+  EXPECT_LT(num_stored, 3 * kTries);
 }
 
 TEST(StoreQueue, TheFirstFailureIsEverybodys) {

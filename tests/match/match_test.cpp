@@ -7,6 +7,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "core/base/ensure.h"
 #include "core/image/undistort.h"
 #include "core/match/patch_frame.h"
 #include "core/match/window_fit.h"
@@ -249,6 +250,13 @@ TEST(Match, SubsamplesByBlocksDownToTheFloor) {
   const std::size_t by_floor = MatchOk(Scene(), Scene().truth, patches, options).tracks.size();
   EXPECT_GT(by_floor, 680u);
   EXPECT_LE(by_floor, 900u);
+}
+
+TEST(Match, SubsamplingNeedsBlocks) {
+  MatchOptions options = OptionsAtLevel(0, 2.0);
+  options.kept_share = 0.15;
+  options.blocks_per_side = 0;
+  EXPECT_THROW((void)Match(Scene().images, Scene().truth, SomePatches(), options, {}), BrokenPromise);
 }
 
 TEST(Match, KeepsFewerTracksWhereThereAreTooManyFeatures) {

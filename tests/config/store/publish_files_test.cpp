@@ -8,10 +8,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <set>
 
+#include "config/formats/format_table.h"
 #include "config/json_content.h"
 #include "config/load_cameras.h"
 #include "config/read_file.h"
+#include "config/staged_files.h"
 #include "config/store/sqlite_store.h"
 #include "tests/config/example_revision.h"
 #include "tests/config/schema_check.h"
@@ -174,6 +177,15 @@ TEST_F(PublishFiles, RepairWritesWhatACrashLeftOut) {
   EXPECT_TRUE(*Repair()) << "the rig file asks for something else";
 }
 
+TEST_F(PublishFiles, EachFormatHasANameOfItsOwn) {
+  std::set<std::string> names;
+  for (const FormatEntry& entry : ExportFormats()) {
+    EXPECT_TRUE(names.insert(PublishedName(std::string(entry.name))).second) << entry.name;
+  }
+  EXPECT_TRUE(names.contains("cameras_par.txt") && names.contains("opencv.yml") && names.contains("colmap-bin"));
+  EXPECT_FALSE(names.contains(kCurrentFile));
+}
+
 TEST_F(PublishFiles, FormatsNoLongerWantedDoNotGrowOld) {
   ASSERT_TRUE(Publish(1, {}));
   folder_.Write("published/theirs.txt", "kept");
@@ -192,12 +204,51 @@ TEST_F(PublishFiles, LeftoversOfACrashGo) {
                                               "theirs.txt"));
 }
 
-TEST_F(PublishFiles, SomethingElseOfTheSameNameIsNamedAfterThePointerMoved) {
-  folder_.Write("published/colmap/theirs.txt", "kept");
+TEST_F(PublishFiles, SomethingElseInItsPlaceIsKeptAndMovesNothing) {
+  for (const char* theirs : {"colmap/theirs.txt", "opencv.yml/theirs.txt", "colmap"}) {
+    folder_.Write(std::filesystem::path("published") / theirs, "kept");
+    const auto refused = Publish(1, {});
+    ASSERT_FALSE(refused) << theirs;
+    EXPECT_EQ(refused.error().code, ErrorCode::kBadInput);
+    EXPECT_THAT(refused.error().message, HasSubstr("was not published by rigcal, and is kept"));
+    EXPECT_FALSE(*store_->InForce("studio")) << theirs;
+    EXPECT_EQ(*ReadFile(target_.folder / theirs), "kept");
+    std::filesystem::remove_all(target_.folder);
+  }
+  std::filesystem::create_directories(target_.folder);
+  std::filesystem::create_directory_symlink(folder_.Path(), target_.folder / "colmap");
+  EXPECT_FALSE(Publish(1, {}));
+  EXPECT_EQ(std::filesystem::read_symlink(target_.folder / "colmap"), folder_.Path());
+}
+
+TEST_F(PublishFiles, ARigDoesNotTakeTheFolderOfAnother) {
+  ASSERT_TRUE(Publish(1, {}));
+  const std::string before = Current();
+  const int other = *store_->Append(ExampleRevision("annex", 3));
+  const auto refused = PublishRevision(*store_, ExampleRequest("annex", other, {}), target_, clock_, {});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kBadInput);
+  EXPECT_THAT(refused.error().message, HasSubstr("current.json: is that of the rig \"studio\", not of 'annex'"));
+  EXPECT_FALSE(*store_->InForce("annex"));
+  EXPECT_EQ(Current(), before);
+  folder_.Write("published/current.json", "torn by hand");
+  EXPECT_TRUE(*Repair()) << "what is none of rigcal's is replaced";
+}
+
+TEST_F(PublishFiles, AFormatThatIsAskedForTwiceMovesNothing) {
+  target_.formats = {{"opencv"}, {"colmap"}, {"opencv", true}};
+  const auto refused = Publish(1, {});
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("'opencv' is asked for twice"));
+  EXPECT_FALSE(*store_->InForce("studio"));
+}
+
+TEST_F(PublishFiles, WhatFailsAfterThePointerMovedSaysSo) {
+  folder_.Write("published/current.json/theirs.txt", "a folder gives no way to a file");
   const auto failed = Publish(1, {});
   ASSERT_FALSE(failed);
   EXPECT_THAT(failed.error().message, HasSubstr("revision 1 of rig 'studio' is in force, but"));
-  EXPECT_THAT(failed.error().message, HasSubstr("published/colmap"));
+  EXPECT_THAT(failed.error().message, HasSubstr("published/current.json"));
   EXPECT_EQ((*store_->InForce("studio"))->revision, 1);
 }
 
