@@ -59,8 +59,26 @@ class Driver {
                                                                    const std::stop_token& stop) = 0;
 };
 
+/// How far from a target an axis may come to rest, radians or metres.
+double ToleranceOf(const PositionerSettings& settings, const AxisSettings& axis);
+
 /// Checks a target against the axes: as many finite values as axes, within the soft limits. `device` names it in
 /// messages. Errors: kBadInput.
 Result<void> CheckTarget(const StopTarget& target, const std::vector<AxisSettings>& axes, const std::string& device);
+
+/// Where the approach to a target begins: beyond it by the backlash, on the axes that come from the wrong side; the
+/// target itself where none does. `from` is where the axes stand; `approached`: the last move ended from the side of
+/// `approach`, otherwise the play lies on either side.
+StopTarget BeginOfApproach(const StopTarget& target, const std::vector<double>& from,
+                           const std::vector<AxisSettings>& axes, bool approached);
+
+/// The stop as a recording has it, of a machine that rests `at`. Errors: kDevice: further from the target than the
+/// tolerance.
+Result<RecordedStop> ArrivedAt(const StopTarget& target, const std::vector<double>& at,
+                               const PositionerSettings& settings, const std::string& device);
+
+/// Errors: kDevice: the machine rested at `was`, stands `at` another place now, and was not told to go there.
+Result<void> CheckUnmoved(const std::vector<double>& was, const std::vector<double>& at,
+                          const PositionerSettings& settings, const std::string& device);
 
 }  // namespace rigcal

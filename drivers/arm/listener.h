@@ -4,7 +4,7 @@
 
 #include "core/base/result.h"
 #include "core/base/socket_address.h"
-#include "drivers/arm/line_connection.h"
+#include "drivers/line_connection.h"
 
 namespace rigcal {
 

@@ -8,6 +8,8 @@
 #include <optional>
 #include <vector>
 
+#include "drivers/line_connection.h"
+
 namespace rigcal {
 namespace {
 
@@ -81,12 +83,6 @@ Result<RecordedStop> ParsePose(std::string_view line) {
 std::string StopNamed(std::string_view line) {
   const std::vector<std::string_view> words = WordsOf(line);
   return words.empty() || !FilesCanHold(words.front()) ? "-" : std::string(words.front());
-}
-
-std::string OnOneLine(std::string text) {
-  std::ranges::replace_if(
-      text, [](char c) { return std::iscntrl(static_cast<unsigned char>(c)) != 0; }, ' ');
-  return text;
 }
 
 }  // namespace rigcal

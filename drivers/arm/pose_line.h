@@ -8,9 +8,6 @@
 
 namespace rigcal {
 
-/// How long a line may be, its end not counted: seven numbers with all their digits need less than 200.
-inline constexpr int kLongestLine_bytes = 512;
-
 /// How far the length of a quaternion may be from 1: four digits after the point are exact enough.
 inline constexpr double kUnitTolerance = 1e-3;
 
@@ -21,8 +18,5 @@ Result<RecordedStop> ParsePose(std::string_view line);
 
 /// The K of a line that need not be right otherwise; "-" where it has none that files can hold.
 std::string StopNamed(std::string_view line);
-
-/// The text on one line, without characters that would end it.
-std::string OnOneLine(std::string text);
 
 }  // namespace rigcal

@@ -145,33 +145,18 @@ Result<GrblPosition> GrblPositioner::StandsReady(const std::stop_token& stop) {
     return Fail(ErrorCode::kDevice, "grbl: {}: somebody else moves it", board_.Path());
   }
   if (!homed_) return Fail(ErrorCode::kDevice, "grbl: {}: it is not homed", board_.Path());
-  for (std::size_t i = 0; rested_ && i < axes_.size(); ++i) {
-    const AxisSettings& axis = settings_.axes[i];
-    const double was = AxisFromGrbl((*rested_)[axes_[i]], axis.unit), is = AxisFromGrbl((*at)[axes_[i]], axis.unit);
-    if (std::abs(is - was) <= ToleranceOf(i)) continue;
-    return Fail(ErrorCode::kDevice,
-                "grbl: {}: stood at {:.6f} and says {:.6f} now without having been moved: it was "
-                "reset or moved by somebody",
-                board_.Path(), was, is);
+  if (!rested_) return at;
+  const std::string device = fmt::format("grbl: {}", board_.Path());
+  if (Result<void> unmoved = CheckUnmoved(AxesAt(*rested_), AxesAt(*at), settings_, device); !unmoved) {
+    return Fail(unmoved.error());
   }
   return at;
 }
 
-double GrblPositioner::ToleranceOf(std::size_t axis) const {
-  return settings_.axes[axis].unit == AxisUnit::kRadian ? settings_.position_tolerance_rad
-                                                        : settings_.position_tolerance_m;
-}
-
-StopTarget GrblPositioner::BeginOfApproach(const StopTarget& target, const GrblPosition& from) const {
-  StopTarget begin = target;
-  for (std::size_t i = 0; i < axes_.size(); ++i) {
-    const AxisSettings& axis = settings_.axes[i];
-    if (axis.approach == 0 || axis.backlash <= 0) continue;
-    const double ahead = (target.axes[i] - AxisFromGrbl(from[axes_[i]], axis.unit)) * axis.approach;
-    const double enough = approached_ ? 0 : axis.backlash;  // after homing the play lies on either side
-    if (ahead <= enough) begin.axes[i] -= axis.approach * axis.backlash;
-  }
-  return begin;
+std::vector<double> GrblPositioner::AxesAt(const GrblPosition& at) const {
+  std::vector<double> axes;
+  for (std::size_t i = 0; i < axes_.size(); ++i) axes.push_back(AxisFromGrbl(at[axes_[i]], settings_.axes[i].unit));
+  return axes;
 }
 
 Result<RecordedStop> GrblPositioner::MoveTo(const StopTarget& target, const std::stop_token& stop) {
@@ -184,12 +169,12 @@ Result<RecordedStop> GrblPositioner::MoveTo(const StopTarget& target, const std:
   const double end_s = clock_.NowS() + settings_.move_timeout_s;
   Result<GrblPosition> at = StandsReady(stop);
   if (!at) return WithAxes(at.error());
-  const StopTarget begin = BeginOfApproach(target, *at);
+  const StopTarget begin = BeginOfApproach(target, AxesAt(*at), settings_.axes, approached_);
   if (Result<void> valid = CheckTarget(begin, settings_.axes, device); !valid) return Fail(valid.error());
   if (begin.axes != target.axes) at = Travel(begin, *at, end_s, stop);
   if (at) at = Travel(target, *at, end_s, stop);
   if (!at) return WithAxes(at.error());
-  Result<RecordedStop> arrived = Arrived(target, *at);
+  Result<RecordedStop> arrived = ArrivedAt(target, AxesAt(*at), settings_, device);
   if (!arrived) return arrived;
   guard.IsThere();
   rested_ = *at;
@@ -222,20 +207,6 @@ Result<GrblPosition> GrblPositioner::Travel(const StopTarget& target, const Grbl
       return Fail(ErrorCode::kCancelled, "grbl: {}: the move was stopped on request", board_.Path());
     }
   }
-}
-
-Result<RecordedStop> GrblPositioner::Arrived(const StopTarget& target, const GrblPosition& at) const {
-  RecordedStop stop{.id = target.id};
-  for (std::size_t i = 0; i < axes_.size(); ++i) {
-    const AxisSettings& axis = settings_.axes[i];
-    const double reported = AxisFromGrbl(at[axes_[i]], axis.unit);
-    if (std::abs(reported - target.axes[i]) > ToleranceOf(i)) {
-      return Fail(ErrorCode::kDevice, "grbl: {}: axis '{}' was sent to {:.6f} and stands at {:.6f}, {:.6f} are allowed",
-                  board_.Path(), axis.name, target.axes[i], reported, ToleranceOf(i));
-    }
-    stop.axes.push_back({.axis = axis.name, .unit = axis.unit, .commanded = target.axes[i], .reported = reported});
-  }
-  return stop;
 }
 
 Result<void> GrblPositioner::FinishStop(const Result<void>& /*taken*/) {

@@ -33,14 +33,12 @@ class GrblPositioner final : public PositionerDevice {
   Result<void> HomeAtRest(const std::stop_token& stop);
   /// Where it stands, ready to move. Errors: kDevice (locked, door, reset, moved by somebody).
   Result<GrblPosition> StandsReady(const std::stop_token& stop);
-  /// Where the approach to a target begins: beyond it by the backlash, on the axes that come from the wrong side.
-  [[nodiscard]] StopTarget BeginOfApproach(const StopTarget& target, const GrblPosition& from) const;
   /// Moves in a straight line to `target` and waits until it rests there; hands back where.
   Result<GrblPosition> Travel(const StopTarget& target, const GrblPosition& from, double end_s,
                               const std::stop_token& stop);
-  Result<RecordedStop> Arrived(const StopTarget& target, const GrblPosition& at) const;
+  /// The axes of the settings, radians or metres.
+  [[nodiscard]] std::vector<double> AxesAt(const GrblPosition& at) const;
   [[nodiscard]] Result<void> CheckMoving(const GrblStatus& status) const;
-  [[nodiscard]] double ToleranceOf(std::size_t axis) const;
   /// The same Error with the axes that it is about.
   [[nodiscard]] tl::unexpected<Error> WithAxes(const Error& error);
 

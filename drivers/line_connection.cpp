@@ -1,12 +1,12 @@
-#include "drivers/arm/line_connection.h"
+#include "drivers/line_connection.h"
 
+#include <poll.h>
 #include <sys/socket.h>
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cerrno>
-
-#include "drivers/arm/pose_line.h"
 
 namespace rigcal {
 namespace {
@@ -17,6 +17,12 @@ constexpr int kMostDrained = 64;                   ///< chunks: more than a syst
 
 }  // namespace
 
+std::string OnOneLine(std::string text) {
+  std::ranges::replace_if(
+      text, [](char c) { return std::iscntrl(static_cast<unsigned char>(c)) != 0; }, ' ');
+  return text;
+}
+
 LineConnection::~LineConnection() {
   if (socket_.Number() < 0) return;
   // Closing with something unread would throw away what was sent last, and with it the reason.
@@ -24,6 +30,11 @@ LineConnection::~LineConnection() {
   std::array<char, kChunk_bytes> chunk{};
   for (int i = 0; i < kMostDrained && recv(socket_.Number(), chunk.data(), chunk.size(), 0) > 0; ++i) {
   }
+}
+
+void LineConnection::Await(int milliseconds) const {
+  pollfd waited{.fd = socket_.Number(), .events = POLLIN, .revents = 0};
+  poll(&waited, 1, milliseconds);
 }
 
 void LineConnection::Receive() {

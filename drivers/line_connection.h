@@ -8,6 +8,13 @@
 
 namespace rigcal {
 
+/// How long a line may be, its end not counted: an arm's pose with all its digits needs less than 200, LinuxCNC's
+/// messages 255.
+inline constexpr int kLongestLine_bytes = 512;
+
+/// The text on one line, without characters that would end it.
+std::string OnOneLine(std::string text);
+
 /// A TCP connection that carries lines of text and never waits: what has come is taken, what does not go at once is a
 /// lost connection.
 class LineConnection {
@@ -18,6 +25,8 @@ class LineConnection {
   LineConnection& operator=(LineConnection&&) = default;
   ~LineConnection();
 
+  /// Waits until something has come, or the connection has ended, at most so long.
+  void Await(int milliseconds) const;
   /// Takes in what has come; more than a few lines are left to the system.
   void Receive();
   /// The next whole line without its end ("\n" or "\r\n"), or the begin of one that is too long. Empty ones are
