@@ -6,6 +6,7 @@
 
 #include "core/base/joined.h"
 #include "drivers/arm/arm_driver.h"
+#include "drivers/genicam/genicam_driver.h"
 #include "drivers/grbl/grbl_driver.h"
 #include "drivers/replay/replay_driver.h"
 #include "drivers/sim/sim_driver.h"
@@ -21,9 +22,8 @@ struct DriverEntry {
 };
 
 constexpr std::array kDrivers = {
-    DriverEntry{"arm", true, MakeArmDriver},
-    DriverEntry{"grbl", true, MakeGrblDriver},
-    DriverEntry{"replay", false, MakeReplayDriver},
+    DriverEntry{"arm", true, MakeArmDriver},   DriverEntry{"genicam", true, MakeGenicamDriver},
+    DriverEntry{"grbl", true, MakeGrblDriver}, DriverEntry{"replay", false, MakeReplayDriver},
     DriverEntry{"sim", false, MakeSimDriver},
 };
 
