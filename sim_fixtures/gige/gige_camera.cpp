@@ -62,6 +62,10 @@ GigeEndpoint GigeCamera::StreamTarget() const {
   return {memory_.Number(bootstrap::kStreamIp), static_cast<std::uint16_t>(memory_.Number(bootstrap::kStreamPort))};
 }
 
+void GigeCamera::ForgetStreamTarget() {
+  memory_.SetNumber(bootstrap::kStreamPort, 0);
+}
+
 int GigeCamera::Packet_bytes() const {
   return static_cast<int>(memory_.Number(bootstrap::kStreamPacket) & bootstrap::kPacketSizeMask);
 }

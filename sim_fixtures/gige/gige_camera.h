@@ -67,6 +67,7 @@ class GigeCamera {
   void SetController(const std::optional<GigeEndpoint>& controller, bool exclusive, double now_s);
 
   [[nodiscard]] GigeEndpoint StreamTarget() const;
+  void ForgetStreamTarget();
   [[nodiscard]] int Packet_bytes() const;  ///< with IP and UDP headers
   [[nodiscard]] const GigeMemory& Registers() const { return memory_; }
 

@@ -157,6 +157,11 @@ void GigeDevice::SetController(const std::optional<GigeEndpoint>& controller, bo
   if (camera_) camera_->SetController(controller, exclusive, clock_.NowS());
 }
 
+void GigeDevice::ForgetStreamTarget() {
+  const std::lock_guard lock(mutex_);
+  if (camera_) camera_->ForgetStreamTarget();
+}
+
 void GigeDevice::Pulse() {
   const std::lock_guard lock(mutex_);
   GigeReaction reaction;

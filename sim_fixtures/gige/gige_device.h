@@ -76,6 +76,8 @@ class GigeDevice {
 
   /// Somebody else takes the control away, or nobody has it any more.
   void SetController(const std::optional<GigeEndpoint>& controller, bool exclusive = false);
+  /// Forgets where its pictures go to, until it is told anew.
+  void ForgetStreamTarget();
   /// A pulse on its trigger line.
   void Pulse();
 

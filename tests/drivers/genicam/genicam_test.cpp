@@ -315,6 +315,19 @@ TEST_F(GenicamDevice, APictureThatTheCameraHeldBackIsNotTheNextOne) {
   EXPECT_EQ(peer_->Device().Counts().frames, before + 2) << "the picture that was held back never came";
 }
 
+TEST_F(GenicamDevice, AStreamThatGivesNothingIsBegunAnew) {
+  Open();
+  ASSERT_TRUE(camera_);
+  ExpectTaken(0);
+  peer_->Device().ForgetStreamTarget();
+  ASSERT_TRUE(camera_->MakeReady({}));
+  ASSERT_TRUE(camera_->Fire());
+  const Result<CapturedPicture> picture = camera_->Collect(0.3, {});
+  ASSERT_FALSE(picture);
+  EXPECT_EQ(picture.error().code, ErrorCode::kTimeout);
+  ExpectTaken(1);
+}
+
 TEST_F(GenicamDevice, ALineTriggersIt) {
   CameraSettings settings = peer_->Settings();
   settings.trigger = CameraTrigger::kHardware;
