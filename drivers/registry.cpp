@@ -6,6 +6,7 @@
 
 #include "core/base/joined.h"
 #include "drivers/arm/arm_driver.h"
+#include "drivers/genicam/genicam_driver.h"
 #include "drivers/grbl/grbl_driver.h"
 #include "drivers/linuxcnc/linuxcnc_driver.h"
 #include "drivers/replay/replay_driver.h"
@@ -22,9 +23,9 @@ struct DriverEntry {
 };
 
 constexpr std::array kDrivers = {
-    DriverEntry{"arm", true, MakeArmDriver},           DriverEntry{"grbl", true, MakeGrblDriver},
-    DriverEntry{"linuxcnc", true, MakeLinuxcncDriver}, DriverEntry{"replay", false, MakeReplayDriver},
-    DriverEntry{"sim", false, MakeSimDriver},
+    DriverEntry{"arm", true, MakeArmDriver},        DriverEntry{"genicam", true, MakeGenicamDriver},
+    DriverEntry{"grbl", true, MakeGrblDriver},      DriverEntry{"linuxcnc", true, MakeLinuxcncDriver},
+    DriverEntry{"replay", false, MakeReplayDriver}, DriverEntry{"sim", false, MakeSimDriver},
 };
 
 /// The drivers of one rig, each made when its first device is opened.

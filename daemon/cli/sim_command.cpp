@@ -9,6 +9,7 @@ void AddSimCommand(CLI::App& app, CommandSession& session) {
   AddSimRenderCommand(*sim, session);
   AddSimDisturbCommand(*sim, session);
   AddSimJudgePatchesCommand(*sim, session);
+  AddSimServeCommand(*sim, session);
 }
 
 }  // namespace rigcal

@@ -8,5 +8,6 @@ namespace rigcal {
 void AddSimRenderCommand(CLI::App& sim, CommandSession& session);
 void AddSimDisturbCommand(CLI::App& sim, CommandSession& session);
 void AddSimJudgePatchesCommand(CLI::App& sim, CommandSession& session);
+void AddSimServeCommand(CLI::App& sim, CommandSession& session);
 
 }  // namespace rigcal

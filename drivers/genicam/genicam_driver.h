@@ -1,0 +1,23 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "drivers/driver.h"
+#include "drivers/found_device.h"
+#include "drivers/genicam/genicam_options.h"
+
+namespace rigcal {
+
+/// GenICam cameras on a network (GigE Vision), through Aravis (README.md). It moves nothing. Errors: none of its own.
+Result<std::unique_ptr<Driver>> MakeGenicamDriver(const RigHardware& rig, const DriverContext& context,
+                                                  const std::stop_token& stop);
+/// The same with other waits.
+std::unique_ptr<Driver> MakeGenicamDriver(const GenicamOptions& options, const DriverContext& context);
+
+/// Every GigE Vision camera that answers, and who controls it. Errors: see FindDevicesOfDriver.
+Result<std::vector<FoundDevice>> FindGenicamDevices(Clock& clock, const std::stop_token& stop);
+/// The same within reach.
+Result<std::vector<FoundDevice>> FindGenicamDevices(GigeReach reach, Clock& clock, const std::stop_token& stop);
+
+}  // namespace rigcal
