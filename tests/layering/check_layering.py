@@ -41,6 +41,7 @@ VENDOR_HOMES = {
     r"apriltag": {"core/seed"},
     r"arv\.h": {"drivers/genicam"},
     r"libusb": {"drivers/usb"},
+    r"umockdev": {"sim_fixtures"},
     r"(sqlite3|SQLiteCpp)": {"config"},
     r"httplib": {"daemon"},
     r"CLI/": {"daemon/cli"},

@@ -178,6 +178,8 @@ TEST(CheckUsbDescriptors, AShortDescriptorOfAnyKindAtTheEndIsNotReadBeyond) {
         bytes[static_cast<std::size_t>(after) + 1] = static_cast<std::uint8_t>(type);
         bytes[20] = static_cast<std::uint8_t>(bytes.size() - 18);
         EXPECT_TRUE(CheckUsbDescriptors(memory.Copy(bytes)).says_usb3_vision) << type << ", " << length;
+        bytes[after == 44 ? 41 : 96] = 0x0E;  // the interface before it is none of a camera
+        EXPECT_TRUE(CheckUsbDescriptors(memory.Copy(bytes)).says_usb3_vision) << type << ", " << length;
       }
     }
   }
