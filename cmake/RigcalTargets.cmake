@@ -34,15 +34,19 @@ function(rigcal_library name)
   endif()
 endfunction()
 
-# rigcal_test(NAME [TIMEOUT S] [LINKS ...] [LABELS ...]): every *_test.cpp of the current folder as one program; each TEST is a ctest.
+# rigcal_test(NAME [LINKS ...] [LABELS ...] [TIMEOUT s] [UNDER program]): every *_test.cpp of the current folder as one
+# program; each TEST is a ctest, run by the program UNDER where that is given.
 function(rigcal_test name)
-  cmake_parse_arguments(ARG "" "TIMEOUT" "LINKS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "" "TIMEOUT;UNDER" "LINKS;LABELS" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*_test.cpp)
   if(NOT sources)
     return()
   endif()
   add_executable(${name} ${sources})
   target_link_libraries(${name} PRIVATE rigcal_options rigcal_test_support ${ARG_LINKS} GTest::gmock GTest::gtest GTest::gtest_main)
+  if(ARG_UNDER AND NOT RIGCAL_SANITIZE)  # what is preloaded would come before the sanitizer
+    set_target_properties(${name} PROPERTIES CROSSCOMPILING_EMULATOR ${ARG_UNDER})
+  endif()
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 600)
   endif()

@@ -22,6 +22,7 @@ MAY_INCLUDE = {
     **{stage: TYPES | {"core/rig"} for stage in STAGES},
     "drivers": CORE | DEVICE_DRIVERS,  # the registry names them all
     **{driver: CORE | {"drivers"} for driver in DEVICE_DRIVERS},
+    "drivers/genicam": CORE | {"drivers", "drivers/usb"},  # Aravis may open USB cameras only after drivers/usb said so
     "drivers/sim": CORE | {"drivers", "sim_fixtures"},
     "drivers/acquire": CORE | {"drivers"},
     "config": CORE | {"config/formats"},
@@ -40,6 +41,7 @@ VENDOR_HOMES = {
     r"apriltag": {"core/seed"},
     r"arv\.h": {"drivers/genicam"},
     r"libusb": {"drivers/usb"},
+    r"umockdev": {"sim_fixtures"},
     r"(sqlite3|SQLiteCpp)": {"config"},
     r"httplib": {"daemon"},
     r"CLI/": {"daemon/cli"},
@@ -99,6 +101,7 @@ def self_test():
         ("tests/mvs/a.cpp", '#include "sim_fixtures/studio.h"'),
         ("drivers/sim/a.cpp", '#include "sim_fixtures/studio.h"'),
         ("drivers/grbl/a.cpp", '#include "drivers/positioner_device.h"'),
+        ("drivers/genicam/a.cpp", '#include "drivers/usb/usb_device.h"'),
         ("daemon/a.cpp", '#include "drivers/acquire/acquire.h"'),
     ]
     wrong = [case for case in caught if not complaints(*case)] + [case for case in fine if complaints(*case)]
