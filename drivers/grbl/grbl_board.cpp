@@ -10,6 +10,7 @@ constexpr char kHold = '!', kAsk = '?', kReset = '\x18';
 constexpr double kAskAgain_s = 1;         ///< a reset that fell into the boot loader is sent again
 constexpr double kHomingPause_s = 0.1;    ///< homing takes seconds, and GRBL says nothing meanwhile
 constexpr int kMostReportsToOffset = 31;  ///< GRBL 1.1 reports its offset at least every 30th time
+constexpr std::string_view kAxisWords = "XYZABCxyzabc";
 constexpr int kInches = 13, kHoming = 22, kMaxRate = 110, kMaxAcceleration = 120;  ///< numbers of its settings
 
 std::string One(char c) {
@@ -78,7 +79,22 @@ Result<void> GrblBoard::ReadMachine(const std::stop_token& stop) {
     return Fail(ErrorCode::kDevice, "grbl: {}: the controller does not say the greatest rate and acceleration of {}",
                 Path(), kGrblAxisLetters[axis]);
   }
-  return {};
+  return CheckStartupBlocks(stop);
+}
+
+Result<void> GrblBoard::CheckStartupBlocks(const std::stop_token& stop) {
+  std::string moving;
+  const Result<void> sent = Send("$N", stop, [&](const GrblLine& line) {
+    const std::size_t equals = line.text.find('=');
+    const bool block = line.text.starts_with("$N") && equals != std::string::npos;
+    if (block && line.text.find_first_of(kAxisWords, equals) != std::string::npos) moving = line.text;
+  });
+  if (!moving.empty()) {
+    return Fail(ErrorCode::kUnsupported, "grbl: {}: the startup block {} moves the machine after every reset, empty it",
+                Path(), moving);
+  }
+  // A relative of GRBL may know no startup blocks.
+  return sent || sent.error().code == ErrorCode::kDevice ? Result<void>() : sent;
 }
 
 Result<std::optional<GrblLine>> GrblBoard::Next() {

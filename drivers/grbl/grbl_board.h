@@ -31,8 +31,8 @@ class GrblBoard {
   static constexpr double kStandstill_s = 0.4, kReset_s = 0.4;  ///< of Stop: below its one second together
 
   /// Opens the line, resets the controller (nothing moves then, whoever had moved it) and reads its settings. Errors:
-  /// those of SerialLine::Open; kDevice (nothing that speaks GRBL); kUnsupported (older than 1.1, or it reports
-  /// inches).
+  /// those of SerialLine::Open; kDevice (nothing that speaks GRBL); kUnsupported (older than 1.1, it reports
+  /// inches, or a startup block moves it).
   static Result<GrblBoard> Open(const std::string& path, Clock& clock, const std::stop_token& stop);
 
   [[nodiscard]] const GrblMachine& Machine() const { return machine_; }
@@ -59,6 +59,8 @@ class GrblBoard {
  private:
   GrblBoard(SerialLine line, Clock& clock) : line_(std::move(line)), clock_(clock) {}
   Result<void> ReadMachine(const std::stop_token& stop);
+  /// Errors: kUnsupported: a startup block moves the machine: every reset, that of Stop too, would set it going.
+  Result<void> CheckStartupBlocks(const std::stop_token& stop);
   /// The next line, looked at: alarms and banners are Errors. Nothing when none came within a slice.
   Result<std::optional<GrblLine>> Next();
   /// Waits for the ok of a command; `pause_s` of the clock pass between two looks at the line.

@@ -95,7 +95,9 @@ Result<void> GrblPositioner::HomeAtRest(const std::stop_token& stop) {
   } else {
     return Fail(asked.error());
   }
-  if (status.state != GrblState::kIdle && status.state != GrblState::kAlarm) return CheckMoving(status);
+  if (status.state != GrblState::kAlarm) {
+    if (Result<void> rests = CheckIdle(status); !rests) return rests;
+  }
   if (board_.Machine().homing) {
     if (Result<void> sent = board_.SendHoming(settings_.move_timeout_s, stop); !sent) return sent;
   } else if (status.state == GrblState::kAlarm) {
@@ -104,7 +106,7 @@ Result<void> GrblPositioner::HomeAtRest(const std::stop_token& stop) {
   if (Result<void> sent = board_.Send("G54", stop); !sent) return sent;  // of which positions are told
   const Result<GrblPosition> at = board_.PositionInWork(status, stop);
   if (!at) return Fail(at.error());
-  if (status.state != GrblState::kIdle) return CheckMoving(status);
+  if (Result<void> rests = CheckIdle(status); !rests) return rests;
   homed_ = true;
   rested_ = *at;
   return {};
@@ -136,14 +138,17 @@ Result<void> GrblPositioner::CheckMoving(const GrblStatus& status) const {
               status.pins.empty() ? "" : ", inputs that are on: ", status.pins);
 }
 
+Result<void> GrblPositioner::CheckIdle(const GrblStatus& status) const {
+  if (Result<void> well = CheckMoving(status); !well || status.state == GrblState::kIdle) return well;
+  return Fail(ErrorCode::kDevice, "grbl: {}: state {}: somebody else moves it, or a startup block ($N0, $N1)",
+              board_.Path(), NameOf(status.state));
+}
+
 Result<GrblPosition> GrblPositioner::StandsReady(const std::stop_token& stop) {
   GrblStatus status;
   Result<GrblPosition> at = board_.PositionInWork(status, stop);
   if (!at) return at;
-  if (Result<void> well = CheckMoving(status); !well) return Fail(well.error());
-  if (status.state != GrblState::kIdle) {
-    return Fail(ErrorCode::kDevice, "grbl: {}: somebody else moves it", board_.Path());
-  }
+  if (Result<void> rests = CheckIdle(status); !rests) return Fail(rests.error());
   if (!homed_) return Fail(ErrorCode::kDevice, "grbl: {}: it is not homed", board_.Path());
   if (!rested_) return at;
   const std::string device = fmt::format("grbl: {}", board_.Path());

@@ -38,7 +38,10 @@ class GrblPositioner final : public PositionerDevice {
                               const std::stop_token& stop);
   /// The axes of the settings, radians or metres.
   [[nodiscard]] std::vector<double> AxesAt(const GrblPosition& at) const;
+  /// Errors: kDevice: the state is none in which a move goes on.
   [[nodiscard]] Result<void> CheckMoving(const GrblStatus& status) const;
+  /// Errors: also kDevice: it moves.
+  [[nodiscard]] Result<void> CheckIdle(const GrblStatus& status) const;
   /// The same Error with the axes that it is about.
   [[nodiscard]] tl::unexpected<Error> WithAxes(const Error& error);
 

@@ -96,6 +96,11 @@ void GrblMachine::ExecuteSystem(const std::string& line) {
     Say("[OPT:V,15,128]");
     return Say("ok");
   }
+  if (line == "$N") {
+    Say(faults_.startup == 0 ? "$N0=" : fmt::format("$N0=G91G1X{:.3f}F60", faults_.startup));
+    Say("$N1=");
+    return Say("ok");
+  }
   if (line == "$#") {
     SayValues("G54", offset_);
     SayValues("G92", g92_);

@@ -14,6 +14,7 @@ constexpr double kSecondsPerMinute = 60, kMmPerInch = 25.4;
 constexpr int kReportMask = 10, kInches = 13, kSoftLimits = 20, kHomingCycle = 22, kPullOff = 27;  // settings
 constexpr int kMaxRate = 110, kMaxTravel = 130;
 constexpr int kReportsBetweenOffsets = 10;
+constexpr double kStartupFeed_per_min = 60;
 
 /// GRBL's own values when it is delivered, with homing, for a table and two axes of a metre.
 std::map<int, double> Delivered() {
@@ -147,9 +148,16 @@ void GrblMachine::Boot() {
   out_ += "\r\n";
   Say("Grbl 1.1h ['$' for help]");
   if (state_ == State::kAlarm) return Say("[MSG:'$H'|'$X' to unlock]");
-  if (!door_open_) return;
+  if (!door_open_) return RunStartup();
   Say("[MSG:Check Door]");
   state_ = State::kDoor;
+}
+
+void GrblMachine::RunStartup() {
+  const AxisValues from = motion_.Position();
+  if (faults_.startup != 0) {
+    Move({from[0] + faults_.startup, from[1], from[2]}, kStartupFeed_per_min, State::kRun);
+  }
 }
 
 void GrblMachine::Alarm(int number, bool waits_for_reset) {
@@ -175,6 +183,7 @@ void GrblMachine::EndHoming() {
   const double at = -settings_[kPullOff];
   motion_.SetPosition({at, at, at});
   state_ = State::kIdle;
+  RunStartup();
   Say("ok");
 }
 

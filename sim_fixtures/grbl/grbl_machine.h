@@ -21,6 +21,7 @@ struct GrblFaults {
   bool stuck = false;    ///< it says that it moves, and does not get on
   bool silent = false;   ///< it moves, and says nothing
   double miss = 0;       ///< every jog ends so far beyond its target, on X
+  double startup = 0;    ///< after a reset and homing a startup block ($N0) moves X so far
   std::optional<GrblTrouble> in_motion;
   double in_motion_after_s = 0.3;
 };
@@ -71,6 +72,7 @@ class GrblMachine {
   void Resume();
   void Reset();
   void Boot();
+  void RunStartup();
   void Alarm(int number, bool waits_for_reset);
   void Report();
   void Say(const std::string& line) { out_ += line + "\r\n"; }

@@ -226,6 +226,24 @@ TEST_F(GrblDevice, WithoutLimitSwitchesZeroIsWhereItStands) {
   EXPECT_TRUE(Go(0));
 }
 
+TEST_F(GrblDevice, RefusesAStartupBlockThatMoves) {
+  peer_.With([](GrblMachine& machine) { machine.Faults().startup = 20; });
+  const auto opened = peer_.Open();
+  ASSERT_FALSE(opened);
+  EXPECT_EQ(opened.error().code, ErrorCode::kUnsupported);
+  EXPECT_THAT(opened.error().message, HasSubstr("the startup block $N0=G91G1X20.000F60 moves the machine"));
+}
+
+TEST_F(GrblDevice, ABoardThatMovesByItselfIsNotHomed) {
+  auto opened = peer_.Open();
+  ASSERT_TRUE(opened) << opened.error().message;
+  peer_.With([](GrblMachine& machine) { machine.Faults().startup = 20; });
+  const Result<void> homed = (*opened)->Home({});
+  ASSERT_FALSE(homed);
+  EXPECT_EQ(homed.error().code, ErrorCode::kDevice);
+  EXPECT_THAT(homed.error().message, HasSubstr("state Run: somebody else moves it, or a startup block ($N0, $N1)"));
+}
+
 TEST_F(GrblDevice, WorkCoordinatesInReportsAreUsedAsTheyAre) {
   peer_.With([](GrblMachine& machine) { machine.Settings()[10] = 2; });
   Open();
