@@ -11,6 +11,8 @@ using StopList = std::vector<std::vector<double>>;
 constexpr double kFullTurn_deg = 360;
 // Nearer than any positioner repeats: two such stops are one.
 constexpr double kSameStop_rad = 1e-3 * kRadPerDeg, kSameStop_m = 1e-6;
+// Radians or metres: a stop at its limit in degrees may be beyond it by rounding. Devices allow as much.
+constexpr double kRounding = 1e-9;
 
 /// The stops of a turntable and the key that says them.
 Result<StopList> AnglesFrom(const CheckedTable& table) {
@@ -70,13 +72,13 @@ std::string InFileUnit(double value, AxisUnit unit) {
 Result<void> CheckWithinLimits(const std::string& where, std::size_t stop, double value, const AxisSettings& axis) {
   const double turning_point = value - axis.approach * axis.backlash;
   const double least = std::min(value, turning_point), most = std::max(value, turning_point);
-  // What the file says in degrees may be off by rounding.
-  const double slack = axis.unit == AxisUnit::kRadian ? kSameStop_rad : kSameStop_m;
-  if ((!axis.least || least >= *axis.least - slack) && (!axis.most || most <= *axis.most + slack)) return {};
-  const bool beyond = (!axis.least || value >= *axis.least - slack) && (!axis.most || value <= *axis.most + slack);
+  const auto within = [&](double lowest, double highest) {
+    return (!axis.least || lowest >= *axis.least - kRounding) && (!axis.most || highest <= *axis.most + kRounding);
+  };
+  if (within(least, most)) return {};
   return Fail(ErrorCode::kBadInput, "{}: stop {} at {} is outside the soft limits of the axis '{}', {} to {}{}", where,
               stop + 1, InFileUnit(value, axis.unit), axis.name, InFileUnit(*axis.least, axis.unit),
-              InFileUnit(*axis.most, axis.unit), beyond ? ", on the way round its backlash" : "");
+              InFileUnit(*axis.most, axis.unit), within(value, value) ? ", on the way round its backlash" : "");
 }
 
 }  // namespace

@@ -4,6 +4,12 @@
 #include <limits>
 
 namespace rigcal {
+namespace {
+
+/// Radians or metres, far below what a machine resolves: a stop at its limit in degrees may be beyond it by rounding.
+constexpr double kRounding = 1e-9;
+
+}  // namespace
 
 double ToleranceOf(const PositionerSettings& settings, const AxisSettings& axis) {
   return axis.unit == AxisUnit::kRadian ? settings.position_tolerance_rad : settings.position_tolerance_m;
@@ -19,7 +25,7 @@ Result<void> CheckTarget(const StopTarget& target, const std::vector<AxisSetting
     const double value = target.axes[i];
     constexpr double kNone = std::numeric_limits<double>::infinity();
     const double least = axes[i].least.value_or(-kNone), most = axes[i].most.value_or(kNone);
-    if (!std::isfinite(value) || value < least || value > most) {
+    if (!std::isfinite(value) || value < least - kRounding || value > most + kRounding) {
       return Fail(ErrorCode::kBadInput, "{}: stop '{}': axis '{}' is to go to {} {}, its limits are {} .. {}", device,
                   target.id, axes[i].name, value, unit, least, most);
     }

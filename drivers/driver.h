@@ -62,8 +62,8 @@ class Driver {
 /// How far from a target an axis may come to rest, radians or metres.
 double ToleranceOf(const PositionerSettings& settings, const AxisSettings& axis);
 
-/// Checks a target against the axes: as many finite values as axes, within the soft limits. `device` names it in
-/// messages. Errors: kBadInput.
+/// Checks a target against the axes: as many finite values as axes, within the soft limits but for rounding. `device`
+/// names it in messages. Errors: kBadInput.
 Result<void> CheckTarget(const StopTarget& target, const std::vector<AxisSettings>& axes, const std::string& device);
 
 /// Where the approach to a target begins: beyond it by the backlash, on the axes that come from the wrong side; the

@@ -64,6 +64,8 @@ TEST(RigStops, AreRefusedBeyondTheSoftLimits) {
             "rig.toml line 8: angles_deg: stop 1 at -88 degrees is outside the soft limits of the axis 'table', "
             "-90 degrees to 360 degrees, on the way round its backlash");
   EXPECT_EQ(WhyNot("angles_deg = [-87, 360]\n", backlash), kNoError);
+  EXPECT_EQ(WhyNot("count = 5\nstart_deg = 6\nstep_deg = -24\n"), kNoError) << "-90 degrees but for rounding";
+  EXPECT_NE(WhyNot("angles_deg = [360.0001]\n"), kNoError) << "what a device refuses in the middle of a capture";
   ExpectRefused(ParseRig(Replaced(kGantryRig, "[0.2, 0.1]", "[0.2, 0.499]"), "rig.toml"),
                 {"line 14: positions_m: stop 2 at 0.499 metres", "axis 'z'", "backlash"});
 }
