@@ -50,23 +50,23 @@ Result<RigLock> RigLock::Take(const fs::path& run_folder, const fs::path& rig_fi
   const std::string name = fs::weakly_canonical(rig_file, error).string();
   const fs::path path = run_folder / fmt::format("rig-{}.lock", Sha256Hex(name).substr(0, kDigits));
   constexpr mode_t kReadableByAll = 0644;
-  const int descriptor = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, kReadableByAll);
-  if (descriptor < 0) return LockFailure(path, errno);
-  RigLock lock(descriptor);
-  if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
+  // A link is not followed: in the temporary folder it may be another user's, and what it leads to would be emptied.
+  Descriptor file(open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, kReadableByAll));
+  const int why_not = file.Open() ? 0 : errno;
+  // Another user's file, the service's: who may not write it is told at least who holds the rig.
+  if (why_not == EACCES) file = Descriptor(open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+  if (!file.Open()) return LockFailure(path, why_not);
+  if (flock(file.Number(), LOCK_EX | LOCK_NB) != 0) {
     if (errno != EWOULDBLOCK) return LockFailure(path, errno);
     const Result<std::string> text = ReadFile(path);
     return Held(rig_file, text ? *text : "");
   }
+  if (why_not != 0) return LockFailure(path, why_not);
   const std::string text = TextOf(holder);
-  const bool written =
-      ftruncate(descriptor, 0) == 0 && write(descriptor, text.data(), text.size()) == static_cast<ssize_t>(text.size());
+  const bool written = ftruncate(file.Number(), 0) == 0 &&
+                       write(file.Number(), text.data(), text.size()) == static_cast<ssize_t>(text.size());
   if (!written) return LockFailure(path, errno);
-  return lock;
-}
-
-RigLock::~RigLock() {
-  if (descriptor_ >= 0) close(descriptor_);
+  return RigLock(std::move(file));
 }
 
 fs::path DefaultRunFolder() {

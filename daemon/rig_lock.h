@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/descriptor.h"
 #include "core/base/result.h"
 
 namespace rigcal {
@@ -22,13 +23,10 @@ class RigLock {
   /// unless it is there. Errors: kDevice when somebody holds it, saying who and what to do; kIo.
   static Result<RigLock> Take(const std::filesystem::path& run_folder, const std::filesystem::path& rig_file,
                               const RigHolder& holder);
-  RigLock(RigLock&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
-  RigLock& operator=(RigLock&&) = delete;
-  ~RigLock();
 
  private:
-  explicit RigLock(int descriptor) : descriptor_(descriptor) {}
-  int descriptor_;
+  explicit RigLock(Descriptor file) : file_(std::move(file)) {}
+  Descriptor file_;  ///< locked; closing it lets go
 };
 
 /// Where locks are: $RIGCAL_RUN_DIR, else /run/rigcal where it may be written, else a folder of the user's below the

@@ -58,6 +58,61 @@ TEST(RigLock, IsFreeAgainWhenItsHolderWasKilled) {
   EXPECT_TRUE(RigLock::Take(folder.Path() / "run", rig, kCapture));
 }
 
+/// Without the rights of root, as long as it lives.
+class AsNobody {
+ public:
+  AsNobody() : before_(geteuid()) {
+    if (before_ == 0) {
+      EXPECT_EQ(seteuid(kNobody), 0);
+    }
+  }
+  AsNobody(const AsNobody&) = delete;
+  AsNobody& operator=(const AsNobody&) = delete;
+  ~AsNobody() { EXPECT_EQ(seteuid(before_), 0); }
+
+ private:
+  static constexpr uid_t kNobody = 65534;
+  uid_t before_;
+};
+
+TEST(RigLock, WhoMayNotWriteTheFileOfAnotherUserIsToldWhoHoldsTheRig) {
+  namespace fs = std::filesystem;
+  TemporaryFolder folder;
+  const auto rig = folder.Write("rig.toml", ""), run = folder.Path() / "run";
+  std::optional<Result<RigLock>> service(RigLock::Take(run, rig, kService));
+  ASSERT_TRUE(*service);
+  constexpr auto kAllMayLook =
+      fs::perms::group_read | fs::perms::group_exec | fs::perms::others_read | fs::perms::others_exec;
+  for (const fs::path& shared : {folder.Path(), run}) {
+    fs::permissions(shared, kAllMayLook, fs::perm_options::add);
+  }
+  fs::permissions(fs::directory_iterator(run)->path(),
+                  fs::perms::owner_read | fs::perms::group_read | fs::perms::others_read);
+  const AsNobody nobody;
+  const Result<RigLock> held = RigLock::Take(run, rig, kCapture);
+  ASSERT_FALSE(held);
+  EXPECT_EQ(held.error().code, ErrorCode::kDevice) << held.error().message;
+  EXPECT_THAT(held.error().message, HasSubstr("rigcal job capture"));
+  service.reset();
+  const Result<RigLock> free = RigLock::Take(run, rig, kCapture);
+  ASSERT_FALSE(free) << "others could not be told who holds it";
+  EXPECT_EQ(free.error().code, ErrorCode::kIo);
+}
+
+TEST(RigLock, ALinkInItsPlaceIsNotFollowed) {
+  namespace fs = std::filesystem;
+  TemporaryFolder folder;
+  const auto rig = folder.Write("rig.toml", ""), mine = folder.Write("mine", "kept"), run = folder.Path() / "run";
+  ASSERT_TRUE(RigLock::Take(run, rig, kCapture));
+  const fs::path lock = fs::directory_iterator(run)->path();
+  fs::remove(lock);
+  fs::create_symlink(mine, lock);
+  const Result<RigLock> taken = RigLock::Take(run, rig, kCapture);
+  ASSERT_FALSE(taken);
+  EXPECT_EQ(taken.error().code, ErrorCode::kIo);
+  EXPECT_EQ(fs::file_size(mine), 4u);
+}
+
 TEST(RigLock, AFolderThatCannotBeIsAnError) {
   TemporaryFolder folder;
   const auto rig = folder.Write("rig.toml", "");
