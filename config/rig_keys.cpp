@@ -76,13 +76,9 @@ constexpr RigKey Whole(std::string_view name, const KeyUnit& unit, Span range, s
 }
 constexpr RigKey Texts(std::string_view name, Length length, std::string_view fallback, std::string_view meaning,
                        std::string_view of) {
-  return {.name = name,
-          .type = kTexts,
-          .fewest = length.fewest,
-          .longest = length.longest,
-          .fallback = fallback,
-          .meaning = meaning,
-          .of = of};
+  RigKey key = Text(name, fallback, meaning, of);
+  key.type = kTexts, key.fewest = length.fewest, key.longest = length.longest;
+  return key;
 }
 constexpr RigKey List(std::string_view name, KeyType type, const KeyUnit& unit, Span range, Length length,
                       std::string_view fallback, std::string_view meaning, std::string_view of = "") {
@@ -128,6 +124,10 @@ constexpr std::array kPositionerKeys = {
            kTurntable),
     Number("tolerance_m", kMetres, {1e-6, kMaxSigma_m}, "1e-4",
            "how far a reported position may be from the commanded one", kGantry),
+    Number("tolerance_deg", kDegrees, {1e-4, 5}, "0.0974",
+           "how far the flange may be turned from where it was when a stop is resumed", kArm),
+    Number("tolerance_m", kMetres, {1e-6, kMaxSigma_m}, "1e-4",
+           "how far the flange may be from where it was when a stop is resumed", kArm),
 };
 
 constexpr std::string_view kMoving = "turntable, gantry";

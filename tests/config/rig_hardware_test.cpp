@@ -242,6 +242,14 @@ TEST(RigHardware, AnArmsFileOfPosesLiesBesideTheRigFile) {
   }
 }
 
+TEST(RigHardware, AnArmSaysHowFarAResumedStopMayBe) {
+  const PositionerSettings device =
+      Parsed("[positioner]\nkind = \"arm\"\ncarries = \"cameras\"\ntolerance_deg = 0.2\ntolerance_m = 0.001\n")
+          .positioner;
+  EXPECT_NEAR(device.position_tolerance_rad, 0.2 * kDegree, 1e-15);
+  EXPECT_EQ(device.position_tolerance_m, 0.001);
+}
+
 TEST(RigHardware, AReplayNamesItsRecording) {
   const RigFile rig = Parsed(Replaced(kSimRig, "\"sim\"", "\"replay\"") +
                              "[replay]\nrecording = \"../night\"\nat_recorded_speed = true\n");
