@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Moved against fewer others than this, nobody can say which one moved.
+/// Of two cameras each has moved against the other as far as the other against it.
 constexpr std::size_t kMinCamerasToTell = 3;
 
 Result<RigCalibration> CalibrationOf(const CalibrationRevision& revision) {

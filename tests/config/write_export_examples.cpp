@@ -1,4 +1,4 @@
-// write_export_examples FOLDER: the cameras that tests/config/export_readers.py exports and reads back, and where this
+// write_export_examples FOLDER: the cameras that tests/config/export_read_by_*.py export and read back, and where this
 // program sees the points of an object: FOLDER/points.json and, for each example, NAME.json (a calibration) and
 // NAME.pixels.json (view by view).
 #include <filesystem>
