@@ -11,8 +11,11 @@
 namespace rigcal {
 namespace {
 
-constexpr int kSlice_ms = 20;       ///< between two looks at the clock and the stop token
-constexpr double kLook_s = 0.02;    ///< between two looks at a machine that is to stand
+constexpr int kSlice_ms = 20;     ///< between two looks at the clock and the stop token
+constexpr double kLook_s = 0.02;  ///< between two looks at a machine that is to stand
+// How long it has to stand: after an abort that was obeyed, and in an emergency stop, when what it tells is up to 0.2 s
+// old (seen with LinuxCNC 2.9).
+constexpr double kStands_s = 0.02, kStandsInEmergency_s = 0.25;
 constexpr int kMostReconnects = 1;  ///< while it is to stop: more find no time
 // The passwords that linuxcncrsh has unless it is started with others.
 constexpr std::string_view kHello = "hello EMC rigcal 1.0", kEnable = "set enable EMCTOO";
@@ -192,8 +195,8 @@ bool RshSession::AbortAndStand() {
   SystemClock real;  // a machine's stop has to come in real time, whatever clock the rest goes by
   const double end_s = real.NowS() + kStop_s;
   const auto left_s = [&] { return std::max(0.0, end_s - real.NowS()); };
-  bool obeyed = false;
-  for (int connects = 0; !obeyed; ++connects) {
+  std::optional<std::string> answer;
+  for (int connects = 0; !answer; ++connects) {
     if (!line_) {
       if (connects > kMostReconnects) return false;
       Result<LineConnection> line = ConnectTo(address_, left_s(), real, {});
@@ -203,18 +206,20 @@ bool RshSession::AbortAndStand() {
     }
     // All at once: the abort gets there even when no time is left to hear of it.
     if (!Send(kEnable)) continue;
-    const Result<std::string> answer = Ask("set abort", {"SET ABORT ", ""}, real, left_s(), {});
-    if (!answer && answer.error().code == ErrorCode::kTimeout) return false;
-    obeyed = answer.has_value();  // refused in an emergency stop, with nothing to abort
+    const Result<std::string> answered = Ask("set abort", {"SET ABORT ", ""}, real, left_s(), {});
+    if (!answered && answered.error().code == ErrorCode::kTimeout) return false;
+    if (answered) answer = *answered;
   }
+  const double stands_s = answer->ends_with("ACK") ? kStands_s : kStandsInEmergency_s;
   // Joints, because homing moves them while the axes and the program may say nothing.
-  for (std::string before; left_s() > 0;) {
+  std::string before;
+  for (double since_s = real.NowS(); left_s() > 0; real.Wait(kLook_s, {})) {
     const Result<std::string> at = GetBy(real, left_s(), "joint_pos", {});
     const Result<std::string> program = GetBy(real, left_s(), "program_status", {});
     if (!at || !program) return false;
-    if (*program == "IDLE" && before == *at) return true;
+    if (*program != "IDLE" || before != *at) since_s = real.NowS();
     before = *at;
-    real.Wait(kLook_s, {});
+    if (real.NowS() - since_s >= stands_s) return true;
   }
   return false;
 }
