@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -190,8 +191,11 @@ UsbfsNode::Answer UsbfsNode::Reap(UMockdevIoctlData* argument, Opening& opening)
 }
 
 void UsbfsNode::CarryOut(Opening& opening) {
+  std::set<std::uint8_t> waiting;  // endpoints: a later transfer never passes an earlier one of the same
   for (auto transfer = opening.pending.begin(); transfer != opening.pending.end();) {
-    if (!CarryOut(*transfer)) {
+    const std::uint8_t endpoint = UrbOf(transfer->urb.get()).endpoint;
+    if (waiting.contains(endpoint) || !CarryOut(*transfer)) {
+      waiting.insert(endpoint);
       ++transfer;
       continue;
     }
