@@ -3,6 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <stop_token>
 
+#include "core/base/result.h"
+
 namespace rigcal {
 
 /// Exit statuses of the command line.
@@ -17,6 +19,9 @@ struct CommandSession {
   bool on_terminal = false;
   int exit_status = kExitAccepted;
 };
+
+/// Prints an error as "rigcal COMMAND: sentence" and gives its exit status.
+int FailWith(const char* command, const Error& error);
 
 void AddRefineCommand(CLI::App& app, CommandSession& session);
 void AddValidateCommand(CLI::App& app, CommandSession& session);

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <memory>
 
-#include "daemon/cli/run_request.h"
+#include "daemon/cli/command.h"
 #include "daemon/cli/store_options.h"
 #include "daemon/store_report.h"
 
@@ -27,7 +27,7 @@ Result<std::optional<int>> Expected(const PublishArguments& arguments, const std
   return *number;
 }
 
-Result<int> RollbackTarget(const PublishArguments& arguments, OpenedRig& opened) {
+Result<int> RollbackTarget(const PublishArguments& arguments, RigStore& opened) {
   if (!arguments.revision.empty()) return RevisionNumber(arguments.revision);
   const auto history = opened.store->History(opened.rig);
   if (!history) return Fail(history.error());
@@ -53,7 +53,7 @@ Result<Published> PublishWith(const PublishArguments& arguments, const PublishRe
 }
 
 /// The revision is in force already: its files may be missing.
-int WriteFiles(const char* name, const PublishArguments& arguments, OpenedRig& opened, const std::stop_token& stop) {
+int WriteFiles(const char* name, const PublishArguments& arguments, RigStore& opened, const std::stop_token& stop) {
   SystemClock clock;
   const auto written = RepairPublished(*opened.store, opened.rig, TargetOf(arguments), clock, stop);
   if (!written) return FailWith(name, written.error());
@@ -65,7 +65,7 @@ int Run(const char* name, PublishKind kind, const PublishArguments& arguments, c
   if (arguments.publish_dir.empty() && !arguments.formats.empty()) {
     return FailWith(name, {ErrorCode::kBadInput, "--format needs --publish-dir, the folder to write to"});
   }
-  auto opened = OpenRig(arguments.choice);
+  auto opened = OpenRigStore(arguments.choice);
   if (!opened) return FailWith(name, opened.error());
   const auto in_force = NumberInForce(*opened);
   if (!in_force) return FailWith(name, in_force.error());
