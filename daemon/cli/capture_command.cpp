@@ -10,6 +10,7 @@
 #include "daemon/capture_request.h"
 #include "daemon/cli/ask_operator.h"
 #include "daemon/cli/command.h"
+#include "daemon/cli/service_commands.h"
 #include "daemon/rig_lock.h"
 
 namespace rigcal {
@@ -21,7 +22,8 @@ struct CaptureArguments {
   std::filesystem::path rig, replay, out, run_folder;
   std::vector<double> stops;  ///< degrees or metres
   std::string subject;
-  bool resume = false, recorded_speed = false;
+  bool resume = false, recorded_speed = false, wait = false;
+  ServiceChoice service;
 };
 
 /// The subject of all views, or the one that was asked for.
@@ -141,31 +143,52 @@ int Capture(const CaptureArguments& arguments, const CommandSession& session) {
   return kExitAccepted;
 }
 
+/// Without devices of its own, the command asks the service, which keeps the recording.
+int AskServiceToCapture(const CaptureArguments& arguments, const CommandSession& session) {
+  if (!arguments.out.empty() || arguments.resume) {
+    return FailWith("capture", {ErrorCode::kBadInput,
+                                "--out and --resume need --rig or --replay; without, the service takes the recording "
+                                "into its state folder"});
+  }
+  nlohmann::json request = nlohmann::json::object();
+  if (!arguments.subject.empty()) request["what"] = arguments.subject;
+  if (!arguments.stops.empty()) request["stops"] = arguments.stops;
+  return AskForJob("capture", "capture", request, arguments.wait, arguments.service, session);
+}
+
+int RunCaptureCommand(const CaptureArguments& arguments, const CommandSession& session) {
+  if (arguments.rig.empty() && arguments.replay.empty()) return AskServiceToCapture(arguments, session);
+  if (!arguments.out.empty()) return Capture(arguments, session);
+  return FailWith("capture", {ErrorCode::kBadInput, "--out is missing, the folder of the recording"});
+}
+
 }  // namespace
 
 void AddCaptureCommand(CLI::App& app, CommandSession& session) {
   CLI::App* command =
-      app.add_subcommand("capture", "Take a recording with the devices of a rig");
+      app.add_subcommand("capture", "Take a recording with the devices of a rig, or let the service do so");
   auto arguments = std::make_shared<CaptureArguments>();
   arguments->run_folder = DefaultRunFolder();
   CLI::Option_group* source = command->add_option_group("devices");
-  CLI::Option* rig = source->add_option("--rig", arguments->rig, "rig.toml: cameras, positioner and stops");
+  source->add_option("--rig", arguments->rig, "rig.toml: cameras, positioner and stops");
   CLI::Option* replay = source->add_option("--replay", arguments->replay, "A recording stands for all devices");
-  source->require_option(1);
-  command->add_option("--out", arguments->out, "Folder of the recording; must not be there, or be empty")->required();
+  source->require_option(0, 1);
+  command->add_option("--out", arguments->out, "Folder of the recording; must not be there, or be empty");
   command
       ->add_option("--stops", arguments->stops,
                    "Where pictures are taken, in degrees or metres, instead of the rig's "
                    "stops; for a rig with one axis")
       ->delimiter(',')
-      ->needs(rig);
+      ->excludes(replay);
   command->add_option("--what", arguments->subject, "What is seen: object unless said, of a replay what was seen")
       ->check(CLI::IsMember({"chart", "object", "both"}));
   command->add_flag("--resume", arguments->resume, "--out was interrupted: take only what is missing");
   command->add_flag("--recorded-speed", arguments->recorded_speed, "A replay takes as long as the recording did")
       ->needs(replay);
   command->add_option("--run-dir", arguments->run_folder, "Folder that says who holds a rig")->capture_default_str();
-  command->callback([arguments, &session] { session.exit_status = Capture(*arguments, session); });
+  AddServiceOptions(*command, arguments->service);
+  command->add_flag("--wait", arguments->wait, "Of the service: show the progress, and end as the job ends");
+  command->callback([arguments, &session] { session.exit_status = RunCaptureCommand(*arguments, session); });
 }
 
 }  // namespace rigcal

@@ -36,6 +36,7 @@ void AddChartCommand(CLI::App& app, CommandSession& session);
 void AddHistoryCommands(CLI::App& app, CommandSession& session);
 void AddPublishCommands(CLI::App& app, CommandSession& session);
 void AddStoreCommand(CLI::App& app, CommandSession& session);
+void AddServiceCommands(CLI::App& app, CommandSession& session);
 void AddSimCommand(CLI::App& app, CommandSession& session);
 
 }  // namespace rigcal
