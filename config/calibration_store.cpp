@@ -28,9 +28,9 @@ Result<void> CheckExpected(const PublishRequest& request, const std::vector<Publ
   if (in_force == request.expected) return {};
   const std::string expected = request.expected ? std::to_string(*request.expected) : "none";
   if (last == nullptr) {
-    return Fail(ErrorCode::kBadInput, "rig '{}': no revision is in force, not {} as expected", request.rig, expected);
+    return Fail(ErrorCode::kConflict, "rig '{}': no revision is in force, not {} as expected", request.rig, expected);
   }
-  return Fail(ErrorCode::kBadInput, "rig '{}': revision {} is in force, not {} as expected: published by {} at {}",
+  return Fail(ErrorCode::kConflict, "rig '{}': revision {} is in force, not {} as expected: published by {} at {}",
               request.rig, last->revision, expected, last->by, last->time);
 }
 
@@ -78,7 +78,7 @@ Result<void> CheckPublish(const PublishRequest& request, const RevisionHead& rev
   }
   if (auto checked = CheckExpected(request, events); !checked) return checked;
   if (!events.empty() && events.back().revision == request.revision) {
-    return Fail(ErrorCode::kBadInput, "rig '{}': revision {} is in force already: published by {} at {}", request.rig,
+    return Fail(ErrorCode::kConflict, "rig '{}': revision {} is in force already: published by {} at {}", request.rig,
                 request.revision, events.back().by, events.back().time);
   }
   const bool was_in_force = std::ranges::find(events, request.revision, &PublishEvent::revision) != events.end();

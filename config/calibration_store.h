@@ -112,9 +112,9 @@ class CalibrationStore {
 Result<void> CheckRevision(const CalibrationRevision& revision);
 
 /// What every store asks before the pointer moves. `revision` is the one asked for, `events` are those of its rig.
-/// Errors: kBadInput: nobody publishes, text that is not UTF-8, another revision is in force than expected (who
-/// published it and when is said), the revision is in force already, it was not accepted and no reason is given, or a
-/// roll-back to one that never was in force.
+/// Errors: kConflict: another revision is in force than expected (who published it and when is said), or the revision
+/// is in force already; kBadInput: nobody publishes, text that is not UTF-8, it was not accepted and no reason is
+/// given, or a roll-back to one that never was in force.
 Result<void> CheckPublish(const PublishRequest& request, const RevisionHead& revision,
                           const std::vector<PublishEvent>& events);
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <map>
 
+#include "config/export.h"
 #include "config/positioner_names.h"
 #include "config/read_file.h"
 #include "config/rig_hardware.h"
@@ -73,11 +74,26 @@ Result<PositionerLoad> LoadFrom(const CheckedTable& table, PositionerKind kind) 
   return load;
 }
 
+Result<PublishSettings> ReadPublish(const CheckedTable& table, const std::string& file) {
+  PublishSettings publish;
+  std::string folder;
+  table.Read("rig", publish.rig);
+  table.Read("folder", folder);
+  if (!folder.empty()) publish.folder = BesideRigFile(file, folder);
+  table.Read("formats", publish.formats);
+  table.Read("undistorted", publish.undistorted);
+  for (const std::string& format : publish.formats) {
+    if (ExportFormatFromName(format)) continue;
+    return Fail(ErrorCode::kBadInput, "{}: '{}' is no format of `rigcal export`", table.Place("formats"), format);
+  }
+  return publish;
+}
+
 /// Every table but [positioner].
 Result<void> ReadOtherTables(const toml::table& document, const std::string& file, const std::string& kind,
                              RigFile& rig) {
   std::map<std::string_view, std::optional<CheckedTable>> tables;
-  for (const std::string_view name : {"stops", "capture", "keep", "chart", "replay", "sim"}) {
+  for (const std::string_view name : {"stops", "capture", "keep", "publish", "chart", "replay", "sim"}) {
     auto table = CheckedSection(document, name, file, kind);
     if (!table) return Fail(table.error());
     tables.emplace(name, std::move(*table));
@@ -88,6 +104,11 @@ Result<void> ReadOtherTables(const toml::table& document, const std::string& fil
     std::string board;
     chart->Read("board", board);
     rig.board = BesideRigFile(file, board);
+  }
+  if (const auto& table = tables["publish"]) {
+    auto publish = ReadPublish(*table, file);
+    if (!publish) return Fail(publish.error());
+    rig.publish = std::move(*publish);
   }
   if (const auto& stops = tables["stops"]) {
     auto read = ReadStops(*stops, rig.positioner.axes);

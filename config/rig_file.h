@@ -16,6 +16,14 @@ namespace rigcal {
 /// Its usual name.
 inline constexpr const char* kRigFile = "rig.toml";
 
+/// Where the service publishes.
+struct PublishSettings {
+  std::string rig;                   ///< its name in the store; empty: that of the rig file
+  std::filesystem::path folder;      ///< empty: the service's own
+  std::vector<std::string> formats;  ///< as ExportFormatFromName knows them
+  bool undistorted = false;
+};
+
 /// rig.toml: the studio's positioner, how exactly it repeats, and the devices (docs/rig.md, docs/rig_keys.md). A file
 /// without devices is one for seeding alone.
 struct RigFile {
@@ -25,6 +33,7 @@ struct RigFile {
   std::vector<CameraSettings> cameras;
   CaptureSettings capture;
   KeepRule keep;
+  PublishSettings publish;
   std::optional<SimSettings> sim;        ///< where a device has the driver "sim", or the file has [sim]
   std::optional<ReplaySettings> replay;  ///< where the file has [replay]
   std::filesystem::path board;           ///< of the chart; empty: none
@@ -32,7 +41,8 @@ struct RigFile {
 
 /// `file` names it in messages, which tell line, key and allowed range, and its folder is where relative paths begin.
 /// Errors: kBadInput: not TOML, a key that is unknown, missing or not one of this kind of positioner, a value of the
-/// wrong type or out of range, or parts that contradict each other (config/rig_hardware.h, config/rig_stops.h).
+/// wrong type or out of range, or parts that contradict each other (config/rig_hardware.h, config/rig_stops.h), or a
+/// format that is none.
 Result<RigFile> ParseRig(std::string_view text, const std::string& file);
 
 /// Errors: those of ReadFile and ParseRig.

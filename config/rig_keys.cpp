@@ -92,6 +92,7 @@ constexpr double kMaxSigma_deg = 10, kMaxSigma_m = 0.1, kMaxScaleSigma = 0.1;
 constexpr int kMostStops = 3600;  // a tenth of a degree of a turn
 constexpr double kMostTravel_deg = 36000, kMostTravel_m = 100;
 constexpr int kMostSensor_px = 65536;
+constexpr int kMostFormats = 16;                                    // more than there are
 constexpr int kLeastPacket_bytes = 576, kMostPacket_bytes = 16384;  // GigE Vision's least; the largest of network cards
 
 constexpr std::array kPositionerKeys = {
@@ -194,6 +195,15 @@ constexpr std::array kKeepKeys = {
     Number("min_free_gb", kGigabytes, {0.001, 1e6}, "no limit", "the oldest go until so much of the disk is free"),
 };
 
+constexpr std::array kPublishKeys = {
+    Name("rig", "the rig file's name without .toml", "its name in the calibration store"),
+    Text("folder", "`published` in the state folder",
+         "where the calibration in force is written to, relative to the rig file"),
+    Texts("formats", {1, kMostFormats}, "current.json alone", "formats of `rigcal export` that are written there, too",
+          ""),
+    Flag("undistorted", "false", "those formats are for undistorted images"),
+};
+
 constexpr std::array kChartKeys = {
     Text("board", kRequired, "board.toml ([charts](chart.md)), relative to the rig file"),
 };
@@ -227,6 +237,8 @@ constexpr std::array kTables = {
     RigTable{"capture", false, kCaptureKeys, "How pictures are taken, checked and taken again."},
     RigTable{"keep", false, kKeepKeys,
              "When old recordings go (`rigcal recording prune`). What a revision needs never goes."},
+    RigTable{"publish", false, kPublishKeys,
+             "Where the service, rigcald, publishes what it finds ([store](store.md))."},
     RigTable{"chart", false, kChartKeys, "The board of `rigcal capture --what chart`."},
     RigTable{"replay", false, kReplayKeys, "The recording that stands behind devices of the driver replay."},
     RigTable{"sim", false, kSimKeys, "The simulated studio that stands behind devices of the driver sim."},

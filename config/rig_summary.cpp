@@ -71,6 +71,14 @@ std::string KeepLine(const KeepRule& keep) {
   return parts.empty() ? "recordings: all are kept\n" : fmt::format("recordings: {}\n", Joined(parts, ", "));
 }
 
+std::string PublishLine(const PublishSettings& publish) {
+  std::string line;
+  if (!publish.rig.empty()) line += fmt::format("rig '{}' of the store; ", publish.rig);
+  line += publish.folder.empty() ? "published in the state folder" : "published in " + publish.folder.string();
+  if (!publish.formats.empty()) line += ", also as " + Joined(publish.formats, ", ");
+  return line + "\n";
+}
+
 }  // namespace
 
 std::string RigSummaryText(const RigFile& rig) {
@@ -84,6 +92,8 @@ std::string RigSummaryText(const RigFile& rig) {
   if (rig.sim)
     text += fmt::format("simulated studio: {}, {} cameras of {} x {} px\n", rig.sim->scene, rig.sim->num_cameras,
                         rig.sim->width_px, rig.sim->height_px);
+  const PublishSettings& publish = rig.publish;
+  if (!publish.rig.empty() || !publish.folder.empty() || !publish.formats.empty()) text += PublishLine(publish);
   return text + KeepLine(rig.keep);
 }
 

@@ -1,8 +1,10 @@
 #include "daemon/run_context.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <string_view>
+#include <thread>
 #include <utility>
 
 namespace rigcal {
@@ -38,6 +40,10 @@ double RunShare(const RunProgress& p) {
 }
 
 }  // namespace
+
+int NumThreads(int wanted) {
+  return wanted > 0 ? wanted : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
 
 RunContext::RunContext(std::stop_token stop, int num_threads, std::function<double()> now_s,
                        std::function<void(const RunProgress&)> listener)

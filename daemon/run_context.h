@@ -19,6 +19,9 @@ struct RunProgress {
   std::optional<double> run_share;  ///< [0, 1], over all stages; nothing for a job without rounds
 };
 
+/// The number of threads that 0 stands for, or the number itself.
+int NumThreads(int wanted);
+
 /// How a run runs, as opposed to what it computes: threads, the stop token, the clock and who listens.
 class RunContext {
  public:

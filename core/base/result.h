@@ -18,6 +18,7 @@ enum class ErrorCode {
   kCancelled,    ///< the stop token was set
   kTimeout,      ///< a bounded wait ended without its event
   kDevice,       ///< a camera or positioner failed
+  kConflict,     ///< others were there first: what the asker relied on is no longer so; look again, then ask again
 };
 
 /// One sentence: what failed, on what (file, key, image), which value, which limit.

@@ -1,24 +1,17 @@
 #include <fmt/format.h>
 
-#include <chrono>
+#include <algorithm>
 #include <cstdio>
-#include <ctime>
 #include <memory>
-#include <numbers>
-#include <numeric>
 #include <set>
 
-#include "config/board_file.h"
-#include "config/read_file.h"
 #include "config/recording_file.h"
 #include "config/rig_file.h"
-#include "daemon/capture_run.h"
+#include "daemon/capture_request.h"
 #include "daemon/cli/ask_operator.h"
 #include "daemon/cli/command.h"
-#include "daemon/cli/run_request.h"
-#include "daemon/recorded_pictures_source.h"
+#include "daemon/cli/service_commands.h"
 #include "daemon/rig_lock.h"
-#include "drivers/registry.h"
 
 namespace rigcal {
 namespace {
@@ -29,112 +22,9 @@ struct CaptureArguments {
   std::filesystem::path rig, replay, out, run_folder;
   std::vector<double> stops;  ///< degrees or metres
   std::string subject;
-  bool resume = false, recorded_speed = false;
+  bool resume = false, recorded_speed = false, wait = false;
+  ServiceChoice service;
 };
-
-/// What is to be captured with which devices.
-struct PreparedCapture {
-  RigHardware hardware;
-  DriverContext context;
-  CaptureRequest request;
-};
-
-/// "2025-01-31T12:00:00.25Z"
-std::string UtcNow() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  const auto hundredths = std::chrono::duration_cast<std::chrono::duration<long long, std::centi>>(now).count();
-  const std::time_t seconds = hundredths / 100;
-  std::tm utc{};
-  gmtime_r(&seconds, &utc);
-  return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:02}Z", utc.tm_year + 1900, utc.tm_mon + 1, utc.tm_mday,
-                     utc.tm_hour, utc.tm_min, utc.tm_sec, hundredths % 100);
-}
-
-std::optional<Subject> SubjectNamed(const std::string& name) {
-  for (const Subject subject : {Subject::kChart, Subject::kObject, Subject::kBoth}) {
-    if (name == NameOf(subject)) return subject;
-  }
-  return std::nullopt;
-}
-
-std::vector<int> AllOf(std::size_t num_cameras) {
-  std::vector<int> cameras(num_cameras);
-  std::iota(cameras.begin(), cameras.end(), 0);
-  return cameras;
-}
-
-/// All cameras at every place, stops named by their numbers.
-std::vector<PlannedStop> PlanOf(const std::vector<std::vector<double>>& places, std::size_t num_cameras) {
-  const std::size_t digits = std::max<std::size_t>(2, std::to_string(places.empty() ? 0 : places.size() - 1).size());
-  std::vector<PlannedStop> stops;
-  for (std::size_t s = 0; s < places.size(); ++s) {
-    stops.push_back({{fmt::format("{:0{}}", s, digits), places[s]}, AllOf(num_cameras)});
-  }
-  return stops;
-}
-
-/// The stops of an arm, which says them itself: all cameras at each.
-AcquisitionPlan PlanOfArm(std::size_t num_cameras) {
-  return {.cameras_at = [num_cameras](const RecordedStop&) -> Result<std::vector<int>> { return AllOf(num_cameras); }};
-}
-
-/// The places of --stops, or else of the rig file.
-Result<std::vector<std::vector<double>>> PlacesOf(const CaptureArguments& arguments, const RigFile& rig) {
-  const std::string file = arguments.rig.string();
-  const std::vector<AxisSettings>& axes = rig.positioner.axes;
-  std::vector<std::vector<double>> places = rig.capture.stops;
-  if (!arguments.stops.empty()) {
-    if (axes.size() != 1) {
-      return Fail(ErrorCode::kBadInput, "--stops: {} has {} axes, the option gives one value a stop", file,
-                  axes.size());
-    }
-    places.clear();
-    const double to_si = axes.front().unit == AxisUnit::kRadian ? std::numbers::pi / 180 : 1;
-    for (const double value : arguments.stops) places.push_back({value * to_si});
-  }
-  if (rig.positioner.driver.empty()) {
-    if (places.size() > 1) {
-      return Fail(ErrorCode::kUnsupported, "{}: no driver moves its positioner, and {} stops are asked for", file,
-                  places.size());
-    }
-    return std::vector<std::vector<double>>{{}};
-  }
-  if (places.empty()) return Fail(ErrorCode::kBadInput, "{}: has no [stops], and no --stops are given", file);
-  return places;
-}
-
-Result<void> PrepareFromRig(const CaptureArguments& arguments, PreparedCapture& capture) {
-  Result<RigFile> rig = LoadRig(arguments.rig);
-  if (!rig) return Fail(rig.error());
-  if (rig->cameras.empty()) {
-    return Fail(ErrorCode::kBadInput, "{}: has no [[camera]], there is nothing to capture with",
-                arguments.rig.string());
-  }
-  capture.request.subject = SubjectNamed(arguments.subject).value_or(Subject::kObject);
-  capture.request.id = std::filesystem::absolute(arguments.out / ".").lexically_normal().parent_path().filename();
-  const bool arm = rig->model.positioner.kind == PositionerKind::kArm && !rig->positioner.driver.empty();
-  if (arm && arguments.stops.empty()) {
-    capture.request.plan = PlanOfArm(rig->cameras.size());
-    capture.request.same_place_rad = rig->positioner.position_tolerance_rad;
-    capture.request.same_place_m = rig->positioner.position_tolerance_m;
-  } else {
-    const Result<std::vector<std::vector<double>>> places = PlacesOf(arguments, *rig);
-    if (!places) return Fail(places.error());
-    capture.request.plan.stops = PlanOf(*places, rig->cameras.size());
-  }
-  capture.request.plan.settle_s = rig->positioner.settle_s;
-  capture.request.plan.settings = rig->capture;
-  capture.hardware = {.cameras = rig->cameras, .positioner = rig->positioner};
-  if (rig->sim) capture.hardware.sim = *rig->sim;
-  if (rig->replay) capture.hardware.replay = *rig->replay;
-  if (rig->board.empty()) return {};
-  const Result<std::string> text = ReadFile(rig->board);
-  if (!text) return Fail(text.error());
-  Result<Board> board = ParseBoard(*text, rig->board.string());
-  if (!board) return Fail(board.error());
-  capture.context.board = std::move(*board);
-  return {};
-}
 
 /// The subject of all views, or the one that was asked for.
 Result<Subject> SubjectOf(const CaptureArguments& arguments, const Recording& recording) {
@@ -146,13 +36,26 @@ Result<Subject> SubjectOf(const CaptureArguments& arguments, const Recording& re
               subjects.size());
 }
 
+Result<PreparedCapture> PrepareFromRig(const CaptureArguments& arguments) {
+  const Result<RigFile> rig = LoadRig(arguments.rig);
+  if (!rig) return Fail(rig.error());
+  const CaptureWish wish{.out = arguments.out,
+                         .subject = SubjectNamed(arguments.subject).value_or(Subject::kObject),
+                         .stops = arguments.stops,
+                         .resume = arguments.resume};
+  return PrepareCapture(wish, *rig, arguments.rig.string());
+}
+
 /// The recording as it is: what a closed one does not have is not asked for, pictures were judged when they were taken.
-Result<void> PrepareFromReplay(const CaptureArguments& arguments, PreparedCapture& capture) {
+Result<PreparedCapture> PrepareFromReplay(const CaptureArguments& arguments) {
+  PreparedCapture capture;
   const Result<Recording> recording = LoadRecording(arguments.replay);
   if (!recording) return Fail(recording.error());
   const Result<Subject> subject = SubjectOf(arguments, *recording);
   if (!subject) return Fail(subject.error());
   CaptureRequest& request = capture.request;
+  request.out = arguments.out;
+  request.resume = arguments.resume;
   request.subject = *subject;
   request.id = recording->id;
   request.plan.settings = {.max_saturated = 1, .min_brightness = 0, .min_sharpness = 0, .refuse_identical = false};
@@ -176,7 +79,7 @@ Result<void> PrepareFromReplay(const CaptureArguments& arguments, PreparedCaptur
     request.plan.stops.push_back(std::move(planned));
   }
   for (const RecordedView& view : recording->views) request.order.views.push_back(view.file);
-  return {};
+  return capture;
 }
 
 std::string SpentText(const CaptureOutcome& outcome, double elapsed_s) {
@@ -190,20 +93,9 @@ std::string SpentText(const CaptureOutcome& outcome, double elapsed_s) {
       outcome.acquisition.num_recovered);
 }
 
-Result<CaptureOutcome> RunCapture(const CaptureArguments& arguments, PreparedCapture& capture, Clock& clock,
-                                  const CommandSession& session) {
-  capture.context.clock = &clock;
-  capture.context.subject = capture.request.subject;
-  capture.context.open_recording = OpenRecordedPictures;
+Result<CaptureOutcome> RunCapture(PreparedCapture& capture, Clock& clock, const CommandSession& session) {
   capture.context.tell = [](const std::string& sentence) { fmt::print(stderr, "{}\n", sentence); };
   if (OperatorIsThere()) capture.context.confirm = AskOperator;
-  capture.request.out = arguments.out;
-  capture.request.resume = arguments.resume;
-  const Result<OpenedRig> rig = OpenRig(capture.hardware, capture.context, session.stop);
-  if (!rig) return Fail(rig.error());
-  if (rig->real) capture.request.plan.utc_now = UtcNow;
-  AcquisitionDevices devices{.positioner = rig->positioner.get(), .clock = &clock};
-  for (const auto& camera : rig->cameras) devices.cameras.push_back(camera.get());
   std::function<void(const AcquisitionProgress&)> listener;
   if (session.on_terminal) {
     listener = [](const AcquisitionProgress& progress) {
@@ -211,7 +103,7 @@ Result<CaptureOutcome> RunCapture(const CaptureArguments& arguments, PreparedCap
       fmt::print(stderr, "\r\x1b[Kcapture: stop {}{}: {}", progress.stop + 1, of, NameOf(progress.phase));
     };
   }
-  Result<CaptureOutcome> outcome = CaptureRecording(devices, capture.request, listener, session.stop);
+  Result<CaptureOutcome> outcome = CaptureWithDevices(capture, clock, listener, session.stop);
   if (session.on_terminal) fmt::print(stderr, "\r\x1b[K");
   return outcome;
 }
@@ -225,10 +117,9 @@ void PrintWhatIsKept(const std::filesystem::path& out) {
 }
 
 int Capture(const CaptureArguments& arguments, const CommandSession& session) {
-  PreparedCapture capture;
   const bool replays = !arguments.replay.empty();
-  const Result<void> prepared = replays ? PrepareFromReplay(arguments, capture) : PrepareFromRig(arguments, capture);
-  if (!prepared) return FailWith("capture", prepared.error());
+  Result<PreparedCapture> capture = replays ? PrepareFromReplay(arguments) : PrepareFromRig(arguments);
+  if (!capture) return FailWith("capture", capture.error());
   std::optional<RigLock> lock;
   if (!replays) {
     Result<RigLock> taken =
@@ -239,7 +130,7 @@ int Capture(const CaptureArguments& arguments, const CommandSession& session) {
   }
   SystemClock clock;
   const double begin_s = clock.NowS();
-  const Result<CaptureOutcome> outcome = RunCapture(arguments, capture, clock, session);
+  const Result<CaptureOutcome> outcome = RunCapture(*capture, clock, session);
   if (!outcome) {
     const int status = FailWith("capture", outcome.error());
     PrintWhatIsKept(arguments.out);
@@ -252,30 +143,52 @@ int Capture(const CaptureArguments& arguments, const CommandSession& session) {
   return kExitAccepted;
 }
 
+/// Without devices of its own, the command asks the service, which keeps the recording.
+int AskServiceToCapture(const CaptureArguments& arguments, const CommandSession& session) {
+  if (!arguments.out.empty() || arguments.resume) {
+    return FailWith("capture", {ErrorCode::kBadInput,
+                                "--out and --resume need --rig or --replay; without, the service takes the recording "
+                                "into its state folder"});
+  }
+  nlohmann::json request = nlohmann::json::object();
+  if (!arguments.subject.empty()) request["what"] = arguments.subject;
+  if (!arguments.stops.empty()) request["stops"] = arguments.stops;
+  return AskForJob("capture", "capture", request, arguments.wait, arguments.service, session);
+}
+
+int RunCaptureCommand(const CaptureArguments& arguments, const CommandSession& session) {
+  if (arguments.rig.empty() && arguments.replay.empty()) return AskServiceToCapture(arguments, session);
+  if (!arguments.out.empty()) return Capture(arguments, session);
+  return FailWith("capture", {ErrorCode::kBadInput, "--out is missing, the folder of the recording"});
+}
+
 }  // namespace
 
 void AddCaptureCommand(CLI::App& app, CommandSession& session) {
-  CLI::App* command = app.add_subcommand("capture", "Take a recording with the devices of a rig");
+  CLI::App* command =
+      app.add_subcommand("capture", "Take a recording with the devices of a rig, or let the service do so");
   auto arguments = std::make_shared<CaptureArguments>();
   arguments->run_folder = DefaultRunFolder();
   CLI::Option_group* source = command->add_option_group("devices");
-  CLI::Option* rig = source->add_option("--rig", arguments->rig, "rig.toml: cameras, positioner and stops");
+  source->add_option("--rig", arguments->rig, "rig.toml: cameras, positioner and stops");
   CLI::Option* replay = source->add_option("--replay", arguments->replay, "A recording stands for all devices");
-  source->require_option(1);
-  command->add_option("--out", arguments->out, "Folder of the recording; must not be there, or be empty")->required();
+  source->require_option(0, 1);
+  command->add_option("--out", arguments->out, "Folder of the recording; must not be there, or be empty");
   command
       ->add_option("--stops", arguments->stops,
                    "Where pictures are taken, in degrees or metres, instead of the rig's "
                    "stops; for a rig with one axis")
       ->delimiter(',')
-      ->needs(rig);
+      ->excludes(replay);
   command->add_option("--what", arguments->subject, "What is seen: object unless said, of a replay what was seen")
       ->check(CLI::IsMember({"chart", "object", "both"}));
   command->add_flag("--resume", arguments->resume, "--out was interrupted: take only what is missing");
   command->add_flag("--recorded-speed", arguments->recorded_speed, "A replay takes as long as the recording did")
       ->needs(replay);
   command->add_option("--run-dir", arguments->run_folder, "Folder that says who holds a rig")->capture_default_str();
-  command->callback([arguments, &session] { session.exit_status = Capture(*arguments, session); });
+  AddServiceOptions(*command, arguments->service);
+  command->add_flag("--wait", arguments->wait, "Of the service: show the progress, and end as the job ends");
+  command->callback([arguments, &session] { session.exit_status = RunCaptureCommand(*arguments, session); });
 }
 
 }  // namespace rigcal

@@ -8,7 +8,7 @@
 #include "config/board_file.h"
 #include "config/board_pdf.h"
 #include "config/read_file.h"
-#include "daemon/cli/run_request.h"
+#include "daemon/cli/command.h"
 
 namespace rigcal {
 namespace {

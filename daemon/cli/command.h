@@ -3,6 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <stop_token>
 
+#include "core/base/result.h"
+
 namespace rigcal {
 
 /// Exit statuses of the command line.
@@ -18,6 +20,9 @@ struct CommandSession {
   int exit_status = kExitAccepted;
 };
 
+/// Prints an error as "rigcal COMMAND: sentence" and gives its exit status.
+int FailWith(const char* command, const Error& error);
+
 void AddRefineCommand(CLI::App& app, CommandSession& session);
 void AddValidateCommand(CLI::App& app, CommandSession& session);
 void AddMvsCommand(CLI::App& app, CommandSession& session);
@@ -31,6 +36,7 @@ void AddChartCommand(CLI::App& app, CommandSession& session);
 void AddHistoryCommands(CLI::App& app, CommandSession& session);
 void AddPublishCommands(CLI::App& app, CommandSession& session);
 void AddStoreCommand(CLI::App& app, CommandSession& session);
+void AddServiceCommands(CLI::App& app, CommandSession& session);
 void AddSimCommand(CLI::App& app, CommandSession& session);
 
 }  // namespace rigcal

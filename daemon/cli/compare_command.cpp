@@ -5,9 +5,11 @@
 #include <memory>
 
 #include "config/json_text.h"
+#include "config/load_cameras.h"
 #include "config/points_file.h"
+#include "config/read_file.h"
 #include "core/validate/compare.h"
-#include "daemon/cli/run_request.h"
+#include "daemon/cli/command.h"
 
 namespace rigcal {
 namespace {

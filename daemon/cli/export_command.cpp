@@ -8,7 +8,7 @@
 #include "config/calibration_file.h"
 #include "config/export.h"
 #include "config/load_cameras.h"
-#include "daemon/cli/run_request.h"
+#include "daemon/cli/command.h"
 #include "daemon/cli/store_options.h"
 
 namespace rigcal {
@@ -27,7 +27,7 @@ Result<RigCalibration> FromFile(const std::string& file) {
 }
 
 Result<RigCalibration> FromStore(const StoreChoice& choice, int number) {
-  const auto opened = OpenRig(choice);
+  const auto opened = OpenRigStore(choice);
   if (!opened) return Fail(opened.error());
   const auto revision = opened->store->Load(opened->rig, number);
   if (!revision) return Fail(revision.error());

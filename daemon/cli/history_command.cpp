@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "daemon/cli/run_request.h"
+#include "daemon/cli/command.h"
 #include "daemon/cli/store_options.h"
 #include "daemon/store_diff.h"
 #include "daemon/store_report.h"
@@ -17,7 +17,7 @@ struct HistoryArguments {
 };
 
 int RunHistory(const HistoryArguments& arguments) {
-  const auto opened = OpenRig(arguments.choice);
+  const auto opened = OpenRigStore(arguments.choice);
   if (!opened) return FailWith("history", opened.error());
   const auto history = opened->store->History(opened->rig);
   if (!history) return FailWith("history", history.error());
@@ -28,7 +28,7 @@ int RunHistory(const HistoryArguments& arguments) {
 int RunShow(const HistoryArguments& arguments) {
   const auto number = RevisionNumber(arguments.revision);
   if (!number) return FailWith("show", number.error());
-  const auto opened = OpenRig(arguments.choice);
+  const auto opened = OpenRigStore(arguments.choice);
   if (!opened) return FailWith("show", opened.error());
   const auto revision = opened->store->Load(opened->rig, *number);
   if (!revision) return FailWith("show", revision.error());
@@ -49,7 +49,7 @@ int RunDiff(const HistoryArguments& arguments) {
   const auto before = RevisionNumber(arguments.revision), after = RevisionNumber(arguments.other);
   if (!before) return FailWith("diff", before.error());
   if (!after) return FailWith("diff", after.error());
-  const auto opened = OpenRig(arguments.choice);
+  const auto opened = OpenRigStore(arguments.choice);
   if (!opened) return FailWith("diff", opened.error());
   const auto diff = DiffRevisions(*opened->store, opened->rig, *before, *after);
   if (!diff) return FailWith("diff", diff.error());

@@ -64,6 +64,7 @@ int Main(int argc, char** argv) {
   AddHistoryCommands(app, session);
   AddPublishCommands(app, session);
   AddStoreCommand(app, session);
+  AddServiceCommands(app, session);
   AddSimCommand(app, session);
   try {
     app.parse(argc, argv);

@@ -6,9 +6,10 @@
 #include "config/atomic_file.h"
 #include "config/patches_file.h"
 #include "core/mvs/reconstruct.h"
+#include "daemon/cli/command.h"
 #include "daemon/cli/number_options.h"
 #include "daemon/cli/progress_line.h"
-#include "daemon/cli/run_request.h"
+#include "daemon/cli/run_options.h"
 
 namespace rigcal {
 namespace {

@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <thread>
-
 namespace rigcal {
 
 CLI::Validator NumberWithin(double least, double most) {
@@ -21,10 +18,6 @@ void AddThreadsOption(CLI::App& command, int& num_threads) {
   command.add_option("--threads", num_threads, "Threads; 0: one for each processor")
       ->check(CLI::Range(0, kMaxThreads))
       ->capture_default_str();
-}
-
-int NumThreads(int wanted) {
-  return wanted > 0 ? wanted : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
 }  // namespace rigcal

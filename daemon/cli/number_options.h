@@ -10,7 +10,4 @@ CLI::Validator NumberWithin(double least, double most);
 /// --threads N: how many threads the stages use, 0 for one on each processor. Results do not depend on it.
 void AddThreadsOption(CLI::App& command, int& num_threads);
 
-/// The number that 0 stands for, or the number itself.
-int NumThreads(int wanted);
-
 }  // namespace rigcal

@@ -10,8 +10,7 @@
 namespace rigcal {
 namespace {
 
-constexpr double kRedrawAfterS = 0.1;        ///< a person reads no faster
-constexpr double kEstimateFromShare = 0.05;  ///< before this share is done, the time left is a guess not worth showing
+constexpr double kRedrawAfterS = 0.1;  ///< a person reads no faster
 
 }  // namespace
 
@@ -29,7 +28,7 @@ void ProgressLine::Show(const RunProgress& progress) {
   if (now_s - shown_s_ < kRedrawAfterS) return;
   shown_s_ = now_s;
   visible_ = true;
-  fmt::print(stderr, "\r\x1b[K{}", ProgressText(progress, now_s - begin_s_));
+  fmt::print(stderr, "\r\x1b[K{}", ProgressText({progress, TimeLeftS(progress, now_s - begin_s_)}));
   std::fflush(stderr);
 }
 
@@ -39,16 +38,6 @@ void ProgressLine::Clear() {
   fmt::print(stderr, "\r\x1b[K");
   std::fflush(stderr);
   visible_ = false;
-}
-
-std::string ProgressText(const RunProgress& progress, double elapsed_s) {
-  std::string text = progress.stage;
-  if (progress.round >= 0) text += fmt::format(", round {} of {}", progress.round + 1, progress.num_rounds);
-  text += fmt::format(": {:.0f} %", 100 * progress.run_share.value_or(progress.stage_share));
-  if (const double done = progress.run_share.value_or(0); done >= kEstimateFromShare) {
-    text += fmt::format(", about {:.0f} s left", elapsed_s * (1 - done) / done);
-  }
-  return text;
 }
 
 double MonotonicSeconds() {

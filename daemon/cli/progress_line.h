@@ -4,7 +4,7 @@
 #include <mutex>
 #include <string>
 
-#include "daemon/run_context.h"
+#include "daemon/jobs/job_progress.h"
 
 namespace rigcal {
 
@@ -29,9 +29,6 @@ class ProgressLine {
   bool visible_ = false;
   std::mutex mutex_;
 };
-
-/// "stereo, round 2 of 4: 37 %, about 12 s left": the text of the line; `elapsed_s` since the run began.
-std::string ProgressText(const RunProgress& progress, double elapsed_s);
 
 /// The wall clock that runs are timed with: seconds since an arbitrary origin, never going back.
 double MonotonicSeconds();

@@ -3,7 +3,9 @@
 #include <cstdio>
 #include <memory>
 
-#include "daemon/cli/run_request.h"
+#include "daemon/api/http_server.h"
+#include "daemon/cli/command.h"
+#include "daemon/cli/service_commands.h"
 #include "daemon/cli/store_options.h"
 #include "daemon/store_report.h"
 
@@ -17,6 +19,8 @@ struct PublishArguments {
   std::filesystem::path publish_dir;  ///< empty: the store alone
   std::vector<std::string> formats;
   bool undistorted = false;
+  bool names_store = false;  ///< --state or --publish-dir: without the service
+  ServiceChoice service;
 };
 
 Result<std::optional<int>> Expected(const PublishArguments& arguments, const std::optional<int>& in_force) {
@@ -27,7 +31,7 @@ Result<std::optional<int>> Expected(const PublishArguments& arguments, const std
   return *number;
 }
 
-Result<int> RollbackTarget(const PublishArguments& arguments, OpenedRig& opened) {
+Result<int> RollbackTarget(const PublishArguments& arguments, RigStore& opened) {
   if (!arguments.revision.empty()) return RevisionNumber(arguments.revision);
   const auto history = opened.store->History(opened.rig);
   if (!history) return Fail(history.error());
@@ -53,7 +57,7 @@ Result<Published> PublishWith(const PublishArguments& arguments, const PublishRe
 }
 
 /// The revision is in force already: its files may be missing.
-int WriteFiles(const char* name, const PublishArguments& arguments, OpenedRig& opened, const std::stop_token& stop) {
+int WriteFiles(const char* name, const PublishArguments& arguments, RigStore& opened, const std::stop_token& stop) {
   SystemClock clock;
   const auto written = RepairPublished(*opened.store, opened.rig, TargetOf(arguments), clock, stop);
   if (!written) return FailWith(name, written.error());
@@ -61,11 +65,51 @@ int WriteFiles(const char* name, const PublishArguments& arguments, OpenedRig& o
   return kExitAccepted;
 }
 
+Result<nlohmann::json> ServiceRequest(const PublishArguments& arguments) {
+  nlohmann::json body = {{"by", UserName()}, {"reason", arguments.reason}};
+  if (arguments.expected.empty()) return body;
+  body["expected"] = nullptr;
+  if (arguments.expected == "none") return body;
+  const auto expected = RevisionNumber(arguments.expected);
+  if (!expected) return Fail(expected.error());
+  body["expected"] = *expected;
+  return body;
+}
+
+/// The service publishes where its rig file says, and knows the rig.
+int RunByService(const char* name, PublishKind kind, const PublishArguments& arguments) {
+  auto body = ServiceRequest(arguments);
+  if (!body) return FailWith(name, body.error());
+  std::string path = "/api/v1/calibrations/rollback";
+  if (!arguments.revision.empty()) {
+    const auto number = RevisionNumber(arguments.revision);
+    if (!number) return FailWith(name, number.error());
+    if (kind == PublishKind::kPublish) path = fmt::format("/api/v1/calibrations/{}/publish", *number);
+    if (kind == PublishKind::kRollback) (*body)["revision"] = *number;
+  }
+  const auto published = ApiClient(arguments.service.socket).Post(path, *body);
+  if (!published) return ServiceFailWith(name, published.error());
+  for (const nlohmann::json& note : (*published)["notes"]) {
+    fmt::print(stderr, "rigcal {}: note: {}\n", name, note.get<std::string>());
+  }
+  PublishEvent event{.time = published->value("time", ""),
+                     .kind = kind,
+                     .revision = published->value("revision", 0),
+                     .by = published->value("by", ""),
+                     .reason = published->value("reason", "")};
+  if ((*published)["previous"].is_number()) event.previous = (*published)["previous"].get<int>();
+  fmt::print("{}\n", EventText(event));
+  return kExitAccepted;
+}
+
 int Run(const char* name, PublishKind kind, const PublishArguments& arguments, const CommandSession& session) {
   if (arguments.publish_dir.empty() && !arguments.formats.empty()) {
     return FailWith(name, {ErrorCode::kBadInput, "--format needs --publish-dir, the folder to write to"});
   }
-  auto opened = OpenRig(arguments.choice);
+  if (!arguments.names_store && ApiClient(arguments.service.socket).IsThere()) {
+    return RunByService(name, kind, arguments);
+  }
+  auto opened = OpenRigStore(arguments.choice);
   if (!opened) return FailWith(name, opened.error());
   const auto in_force = NumberInForce(*opened);
   if (!in_force) return FailWith(name, in_force.error());
@@ -105,8 +149,12 @@ void AddPublishCommands(CLI::App& app, CommandSession& session) {
     command->add_option("--publish-dir", arguments->publish_dir, "Folder to write current.json and the formats to");
     command->add_option("--format", arguments->formats, "Format of `rigcal export` to write there, too");
     command->add_flag("--undistorted", arguments->undistorted, "Those formats for undistorted images");
-    command->callback(
-        [arguments, &session, name, kind] { session.exit_status = Run(name, kind, *arguments, session); });
+    arguments->service.socket = DefaultSocket();
+    command->add_option("--socket", arguments->service.socket, "Socket of the service")->capture_default_str();
+    command->callback([arguments, &session, name, kind, command] {
+      arguments->names_store = command->count("--state") + command->count("--publish-dir") > 0;
+      session.exit_status = Run(name, kind, *arguments, session);
+    });
     return command;
   };
   CLI::App* publish = add("publish", "Put a revision in force", PublishKind::kPublish);

@@ -10,9 +10,9 @@
 #include "config/recording_prune.h"
 #include "config/rig_file.h"
 #include "config/store/sqlite_store.h"
-#include "daemon/cli/number_options.h"
-#include "daemon/cli/run_request.h"
+#include "daemon/cli/command.h"
 #include "daemon/cli/store_options.h"
+#include "daemon/run_context.h"
 
 namespace rigcal {
 namespace {

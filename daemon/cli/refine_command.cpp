@@ -2,31 +2,21 @@
 
 #include <memory>
 
-#include "config/atomic_file.h"
+#include "daemon/cli/command.h"
 #include "daemon/cli/number_options.h"
 #include "daemon/cli/progress_line.h"
-#include "daemon/cli/run_request.h"
-#include "daemon/run_output.h"
+#include "daemon/cli/run_options.h"
 
 namespace rigcal {
 namespace {
 
 int Refine(const RunRequest& request, const CommandSession& session) {
-  if (auto ready = PrepareResultFolder(request.out, request.cameras); !ready) return FailWith("refine", ready.error());
   ProgressLine line(session.on_terminal, MonotonicSeconds);
   RunContext context(session.stop, NumThreads(request.num_threads), MonotonicSeconds,
                      [&line](const RunProgress& progress) { line.Show(progress); });
-  auto run = PrepareRun(request, context);
-  if (!run) return line.Clear(), FailWith("refine", run.error());
-  auto rig = RefineRig(run->images.images, run->cameras.calibration, run->options, context);
-  if (!rig) return line.Clear(), FailWith("refine", rig.error());
-  ReportInput(*run, rig->report);
-
-  auto written =
-      context.Time("write", -1, [&](const Execution&) { return WriteRunOutput(*rig, run->provenance, request.out); });
-  if (written) written = WriteTimingJson(context.Timing(), request.out / "timing.json");
+  const auto rig = RefineFiles(request, context);
   line.Clear();
-  if (!written) return FailWith("refine", written.error());
+  if (!rig) return FailWith("refine", rig.error());
   fmt::print("{}", request.json ? ReportText(rig->report) : VerdictText(rig->report));
   return rig->report.validation.verdict == Verdict::kAccepted ? kExitAccepted : kExitNotAccepted;
 }

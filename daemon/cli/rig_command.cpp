@@ -13,7 +13,7 @@
 #include "config/rig_keys.h"
 #include "config/rig_summary.h"
 #include "core/base/joined.h"
-#include "daemon/cli/run_request.h"
+#include "daemon/cli/command.h"
 #include "drivers/registry.h"
 
 namespace rigcal {

@@ -9,10 +9,11 @@
 #include "config/patches_file.h"
 #include "config/points_file.h"
 #include "config/read_file.h"
+#include "daemon/cli/command.h"
 #include "daemon/cli/number_options.h"
-#include "daemon/cli/run_request.h"
 #include "daemon/cli/sim_commands.h"
 #include "daemon/cli/sim_folder.h"
+#include "daemon/run_context.h"
 
 namespace rigcal {
 namespace {

@@ -3,11 +3,12 @@
 #include <cstdio>
 #include <memory>
 
+#include "daemon/cli/command.h"
 #include "daemon/cli/number_options.h"
-#include "daemon/cli/run_request.h"
 #include "daemon/cli/sim_chart_options.h"
 #include "daemon/cli/sim_commands.h"
 #include "daemon/cli/sim_folder.h"
+#include "daemon/run_context.h"
 
 namespace rigcal {
 namespace {

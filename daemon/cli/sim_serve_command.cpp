@@ -8,7 +8,7 @@
 #include <memory>
 #include <sstream>
 
-#include "daemon/cli/run_request.h"
+#include "daemon/cli/command.h"
 #include "daemon/cli/served_studio.h"
 #include "daemon/cli/sim_commands.h"
 

@@ -6,7 +6,7 @@
 #include "config/result_folder.h"
 #include "config/run_report.h"
 #include "config/store/sqlite_store.h"
-#include "daemon/cli/run_request.h"
+#include "daemon/cli/command.h"
 #include "daemon/cli/store_options.h"
 
 namespace rigcal {

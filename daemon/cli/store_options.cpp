@@ -18,7 +18,7 @@ void AddStoreOptions(CLI::App& command, StoreChoice& choice) {
   command.add_option("--rig", choice.rig, "Name of the rig; may be left out when the store has one only");
 }
 
-Result<OpenedRig> OpenRig(const StoreChoice& choice) {
+Result<RigStore> OpenRigStore(const StoreChoice& choice) {
   const std::filesystem::path file = choice.state / kStoreFile;
   auto store = OpenSqliteStore(file);
   if (!store) return Fail(store.error());
@@ -32,7 +32,7 @@ Result<OpenedRig> OpenRig(const StoreChoice& choice) {
   if (!choice.rig.empty() && std::ranges::find(*rigs, choice.rig) == rigs->end()) {
     return Fail(ErrorCode::kNotFound, "{}: has no rig '{}'; its rigs: {}", file.string(), choice.rig, known);
   }
-  return OpenedRig{std::move(*store), choice.rig.empty() ? rigs->front() : choice.rig};
+  return RigStore{std::move(*store), choice.rig.empty() ? rigs->front() : choice.rig};
 }
 
 bool NamesFile(const std::string& argument) {
@@ -50,7 +50,7 @@ Result<int> RevisionNumber(const std::string& argument) {
   return number;
 }
 
-Result<std::optional<int>> NumberInForce(OpenedRig& opened) {
+Result<std::optional<int>> NumberInForce(RigStore& opened) {
   const auto event = opened.store->InForce(opened.rig);
   if (!event) return Fail(event.error());
   return *event ? std::optional((*event)->revision) : std::nullopt;

@@ -20,13 +20,14 @@ struct StoreChoice {
 /// Declares --state and --rig.
 void AddStoreOptions(CLI::App& command, StoreChoice& choice);
 
-struct OpenedRig {
+/// A rig of an opened store.
+struct RigStore {
   std::unique_ptr<CalibrationStore> store;
   std::string rig;
 };
 
 /// Errors: those of OpenSqliteStore; kNotFound: the store has no such rig; kBadInput: it has several and none is named.
-Result<OpenedRig> OpenRig(const StoreChoice& choice);
+Result<RigStore> OpenRigStore(const StoreChoice& choice);
 
 /// Whether an argument "REV|FILE" names a file: it has a '/' or there is a file of that name.
 bool NamesFile(const std::string& argument);
@@ -35,7 +36,7 @@ bool NamesFile(const std::string& argument);
 Result<int> RevisionNumber(const std::string& argument);
 
 /// What is in force, as compare-and-swap expects it.
-Result<std::optional<int>> NumberInForce(OpenedRig& opened);
+Result<std::optional<int>> NumberInForce(RigStore& opened);
 
 /// Who runs this program: the user's name, else "uid 1000".
 std::string UserName();

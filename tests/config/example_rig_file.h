@@ -49,6 +49,11 @@ max_count = 100
 min_free_gb = 20
 [chart]
 board = "board.toml"
+[publish]
+rig = "studio"
+folder = "published"
+formats = ["colmap", "opencv"]
+undistorted = true
 )";
 
 /// A gantry in three axes, driven by GRBL, with two stops.

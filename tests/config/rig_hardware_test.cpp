@@ -84,6 +84,10 @@ TEST(RigHardware, ReadsCaptureKeepAndChart) {
   EXPECT_EQ(rig.capture.min_sharpness, 0.2);
   EXPECT_EQ(rig.keep.max_age_days, 30);
   EXPECT_EQ(rig.keep.max_count, 100);
+  EXPECT_EQ(rig.publish.rig, "studio");
+  EXPECT_EQ(rig.publish.folder, "studio/published") << "paths begin at the rig file";
+  EXPECT_EQ(rig.publish.formats, (std::vector<std::string>{"colmap", "opencv"}));
+  EXPECT_TRUE(rig.publish.undistorted);
   EXPECT_EQ(rig.keep.min_free_bytes, 20e9);
   EXPECT_EQ(rig.board, "studio/board.toml") << "paths begin at the rig file";
 }
@@ -177,6 +181,8 @@ TEST(RigHardware, RefusesWhatIsMissing) {
   ExpectSpoilt(kWholeRig, "id = \"left\"\n", "", {"rig.toml line 18: camera.id is missing, a name"});
   ExpectSpoilt(kWholeRig, "driver = \"genicam\"\n", "", {"line 18: camera.driver is missing, one of \"genicam\""});
   ExpectSpoilt(kWholeRig, "board = \"board.toml\"\n", "", {"chart.board is missing"});
+  ExpectSpoilt(kWholeRig, "\"opencv\"", "\"sketch\"", {"line 50", "'sketch' is no format"});
+  ExpectSpoilt(kWholeRig, "\"studio\"", "\"a b\"", {"rig must be a name"});
   ExpectSpoilt(kWholeRig, "address = \"127.0.0.1:5007\"\n", "",
                {"line 3: driver = \"linuxcnc\": positioner.address is missing, HOST:PORT"});
   ExpectSpoilt(kGantryRig, "address = \"/dev/ttyUSB0\"\n", "", {"positioner.address is missing, a serial device"});

@@ -71,9 +71,10 @@ class StoreContract : public ::testing::TestWithParam<StoreKind> {
 };
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(StoreContract);
 
-inline void ExpectRefused(const Result<PublishEvent>& refused, const std::vector<std::string>& words) {
+inline void ExpectRefused(const Result<PublishEvent>& refused, const std::vector<std::string>& words,
+                          ErrorCode code = ErrorCode::kBadInput) {
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, ErrorCode::kBadInput);
+  EXPECT_EQ(refused.error().code, code);
   for (const std::string& word : words) EXPECT_THAT(refused.error().message, ::testing::HasSubstr(word));
 }
 
@@ -186,11 +187,12 @@ TEST_P(StoreContract, PublishingMovesThePointerAndIsKept) {
 
 TEST_P(StoreContract, AnotherThanExpectedIsRefusedByName) {
   const int a = Append(1), b = Append(2), c = Append(3);
-  ExpectRefused(Publish(a, b), {"no revision is in force, not 2 as expected"});
+  ExpectRefused(Publish(a, b), {"no revision is in force, not 2 as expected"}, ErrorCode::kConflict);
   ASSERT_TRUE(Publish(a, {}));
-  ExpectRefused(Publish(c, b), {"revision 1 is in force, not 2 as expected", "by anna at 2026-02-01T06:00:00Z"});
-  ExpectRefused(Publish(c, {}), {"revision 1 is in force, not none as expected"});
-  ExpectRefused(Publish(a, a), {"revision 1 is in force already"});
+  ExpectRefused(Publish(c, b), {"revision 1 is in force, not 2 as expected", "by anna at 2026-02-01T06:00:00Z"},
+                ErrorCode::kConflict);
+  ExpectRefused(Publish(c, {}), {"revision 1 is in force, not none as expected"}, ErrorCode::kConflict);
+  ExpectRefused(Publish(a, a), {"revision 1 is in force already"}, ErrorCode::kConflict);
   EXPECT_EQ(InForce(*store_), a);
   EXPECT_EQ(NumEvents(), 1U);
 }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -15,9 +14,6 @@ struct PictureSource {
   std::filesystem::path images, recording;
   std::string camera_from_name;
 };
-
-/// Declares the three options on a subcommand; `source` must live until it is parsed.
-void AddPictureOptions(CLI::App& command, PictureSource& source);
 
 /// Where the pictures lie and what is known about them before they are read.
 struct OpenedPictures {

@@ -9,13 +9,12 @@
 #include "config/load_images.h"
 #include "config/provenance.h"
 #include "daemon/calibration_run.h"
-#include "daemon/cli/command.h"
-#include "daemon/cli/mask_options.h"
-#include "daemon/cli/picture_source.h"
+#include "daemon/mask_request.h"
+#include "daemon/picture_source.h"
 
 namespace rigcal {
 
-/// What `refine` and `validate` are asked for, as given on the command line.
+/// What `refine` and `validate` are asked for, on the command line or by a job.
 struct RunRequest {
   PictureSource pictures;
   std::filesystem::path cameras;
@@ -38,9 +37,6 @@ struct RunRequest {
   bool json = false;
 };
 
-/// Declares the options that both commands have.
-void AddRunOptions(CLI::App& command, RunRequest& request);
-
 /// Everything that a run needs, read and checked.
 struct PreparedRun {
   OpenedPictures pictures;
@@ -57,10 +53,12 @@ Result<PreparedRun> PrepareRun(const RunRequest& request, RunContext& context);
 /// Completes a report with what was learnt while reading.
 void ReportInput(const PreparedRun& run, RunReport& report);
 
+/// The whole of `rigcal refine`, and of a job that refines: pictures and cameras in, a result folder out
+/// (`request.out`: see WriteRunOutput, and timing.json). Errors: those of PrepareResultFolder, PrepareRun, RefineRig
+/// and WriteRunOutput.
+Result<RefinedRig> RefineFiles(const RunRequest& request, RunContext& context);
+
 /// The verdict in a few lines, for people.
 std::string VerdictText(const RunReport& report);
-
-/// Prints an error as "rigcal COMMAND: sentence" and gives its exit status.
-int FailWith(const char* command, const Error& error);
 
 }  // namespace rigcal

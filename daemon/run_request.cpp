@@ -1,14 +1,15 @@
-#include "daemon/cli/run_request.h"
+#include "daemon/run_request.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
 
+#include "config/atomic_file.h"
 #include "config/rig_report.h"
 #include "config/rig_views.h"
+#include "core/base/joined.h"
 #include "core/rig/rig_prior.h"
-#include "daemon/cli/number_options.h"
+#include "daemon/run_output.h"
 
 namespace rigcal {
 namespace {
@@ -71,7 +72,7 @@ Provenance ProvenanceOf(const RunRequest& request, const PreparedRun& run) {
       {"mask-from-name", request.masks.mask_from_name},
       {"aspect", fmt::format("{}", request.aspect)},
       {"aspect-sigma", fmt::format("{}", request.aspect_sigma)},
-      {"fix-cameras", fmt::format("{}", fmt::join(request.fixed_cameras, ","))},
+      {"fix-cameras", Joined(request.fixed_cameras, ",")},
       {"rounds", fmt::format("{}", request.num_rounds)},
       {"holdout", fmt::format("{}", request.holdout_share)}};
   p.random_seed = request.random_seed;
@@ -150,24 +151,6 @@ Result<LoadedCameras> CamerasFor(const RunRequest& request, const OpenedPictures
 
 }  // namespace
 
-void AddRunOptions(CLI::App& command, RunRequest& request) {
-  AddPictureOptions(command, request.pictures);
-  command
-      .add_option("--cameras", request.cameras, "Cameras: Middlebury *_par.txt, COLMAP text model or calibration.json")
-      ->required();
-  command
-      .add_option("--expected-error-px", request.expected_error_px,
-                  "Er: how many pixels the cameras may be off; estimated from the photographs when absent")
-      ->check(NumberWithin(0.1, 31.0));
-  AddMaskOptions(command, request.masks);
-  command.add_option("--aspect", request.aspect, "fx / fy of every camera")->check(NumberWithin(0.5, 2.0));
-  command.add_option("--aspect-sigma", request.aspect_sigma, "How sure that is (1 sigma)")
-      ->check(NumberWithin(1e-6, 1.0));
-  command.add_option("--random-seed", request.random_seed, "Seed of every random choice");
-  AddThreadsOption(command, request.num_threads);
-  command.add_flag("--json", request.json, "Print the report as JSON");
-}
-
 Result<PreparedRun> PrepareRun(const RunRequest& request, RunContext& context) {
   PreparedRun run;
   if (auto masks = request.masks.Check(); !masks) return Fail(masks.error());
@@ -212,6 +195,20 @@ void ReportInput(const PreparedRun& run, RunReport& report) {
   }
 }
 
+Result<RefinedRig> RefineFiles(const RunRequest& request, RunContext& context) {
+  if (auto ready = PrepareResultFolder(request.out, request.cameras); !ready) return Fail(ready.error());
+  auto run = PrepareRun(request, context);
+  if (!run) return Fail(run.error());
+  auto rig = RefineRig(run->images.images, run->cameras.calibration, run->options, context);
+  if (!rig) return Fail(rig.error());
+  ReportInput(*run, rig->report);
+  auto written =
+      context.Time("write", -1, [&](const Execution&) { return WriteRunOutput(*rig, run->provenance, request.out); });
+  if (written) written = WriteTimingJson(context.Timing(), request.out / "timing.json");
+  if (!written) return Fail(written.error());
+  return rig;
+}
+
 std::string VerdictText(const RunReport& report) {
   const ValidationReport& v = report.validation;
   std::string text = fmt::format("verdict: {}\nheld-out tracks: ", NameOf(v.verdict));
@@ -226,11 +223,6 @@ std::string VerdictText(const RunReport& report) {
   }
   for (const std::string& sentence : report.contradictions) text += sentence + "\n";
   return text;
-}
-
-int FailWith(const char* command, const Error& error) {
-  fmt::print(stderr, "rigcal {}: {}\n", command, error.message);
-  return error.code == ErrorCode::kCancelled ? kExitInternal : kExitBadInput;
 }
 
 }  // namespace rigcal

@@ -1,9 +1,10 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include <filesystem>
 #include <string>
 
 #include "config/load_images.h"
+#include "core/base/result.h"
 
 namespace rigcal {
 
@@ -18,8 +19,5 @@ struct MaskRequest {
   /// The folder of masks; empty for auto and none.
   [[nodiscard]] std::filesystem::path Folder() const;
 };
-
-/// Declares both options on a subcommand; `request` must live until it is parsed.
-void AddMaskOptions(CLI::App& command, MaskRequest& request);
 
 }  // namespace rigcal
