@@ -194,6 +194,11 @@ constexpr std::array kKeepKeys = {
     Number("min_free_gb", kGigabytes, {0.001, 1e6}, "no limit", "the oldest go until so much of the disk is free"),
 };
 
+constexpr std::array kDriftKeys = {
+    Number("limit_px", kPixels, {0.01, 10}, "0.15: half of the smallest drift that must be found",
+           "a camera drifts when its picture of the object has moved by more than this"),
+};
+
 constexpr std::array kChartKeys = {
     Text("board", kRequired, "board.toml ([charts](chart.md)), relative to the rig file"),
 };
@@ -227,6 +232,7 @@ constexpr std::array kTables = {
     RigTable{"capture", false, kCaptureKeys, "How pictures are taken, checked and taken again."},
     RigTable{"keep", false, kKeepKeys,
              "When old recordings go (`rigcal recording prune`). What a revision needs never goes."},
+    RigTable{"drift", false, kDriftKeys, "When a calibration in force no longer holds (`rigcal drift-check`)."},
     RigTable{"chart", false, kChartKeys, "The board of `rigcal capture --what chart`."},
     RigTable{"replay", false, kReplayKeys, "The recording that stands behind devices of the driver replay."},
     RigTable{"sim", false, kSimKeys, "The simulated studio that stands behind devices of the driver sim."},
