@@ -1,13 +1,13 @@
 #include "config/recording_prune.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <system_error>
 
 #include "config/atomic_file.h"
 #include "config/read_file.h"
 #include "config/recording_check.h"
 #include "config/recording_file.h"
+#include "config/utc_text.h"
 
 namespace rigcal {
 namespace {
@@ -34,22 +34,10 @@ struct Found {
   std::vector<std::string> remarks;
 };
 
-/// Of a time like 2025-01-31T12:00:00.5Z.
-std::optional<TimePoint> TimeFrom(const std::string& text) {
-  int year = 0, month = 0, day = 0, hour = 0, minute = 0;
-  double second = 0;
-  if (std::sscanf(text.c_str(), "%d-%d-%dT%d:%d:%lfZ", &year, &month, &day, &hour, &minute, &second) != 6) return {};
-  const std::chrono::year_month_day date{std::chrono::year(year), std::chrono::month(static_cast<unsigned>(month)),
-                                         std::chrono::day(static_cast<unsigned>(day))};
-  if (!date.ok()) return {};
-  const auto since = std::chrono::hours(hour) + std::chrono::minutes(minute) + std::chrono::duration<double>(second);
-  return std::chrono::sys_days(date) + std::chrono::duration_cast<std::chrono::system_clock::duration>(since);
-}
-
 TimePoint TimeOf(const Recording& recording, const fs::path& folder) {
   std::optional<TimePoint> last;
   for (const RecordedView& view : recording.views) {
-    const auto taken = view.taken_at ? TimeFrom(*view.taken_at) : std::nullopt;
+    const auto taken = view.taken_at ? TimeFromUtc(*view.taken_at) : std::nullopt;
     if (taken && (!last || *taken > *last)) last = taken;
   }
   if (last) return *last;

@@ -93,13 +93,14 @@ Result<PublishSettings> ReadPublish(const CheckedTable& table, const std::string
 Result<void> ReadOtherTables(const toml::table& document, const std::string& file, const std::string& kind,
                              RigFile& rig) {
   std::map<std::string_view, std::optional<CheckedTable>> tables;
-  for (const std::string_view name : {"stops", "capture", "keep", "publish", "chart", "replay", "sim"}) {
+  for (const std::string_view name : {"stops", "capture", "keep", "publish", "drift", "chart", "replay", "sim"}) {
     auto table = CheckedSection(document, name, file, kind);
     if (!table) return Fail(table.error());
     tables.emplace(name, std::move(*table));
   }
   rig.capture = ReadCapture(tables["capture"]);
   rig.keep = ReadKeep(tables["keep"]);
+  if (const auto& drift = tables["drift"]) drift->Read("limit_px", rig.drift.limit_px);
   if (const auto& chart = tables["chart"]) {
     std::string board;
     chart->Read("board", board);

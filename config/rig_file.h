@@ -34,6 +34,7 @@ struct RigFile {
   CaptureSettings capture;
   KeepRule keep;
   PublishSettings publish;
+  DriftSettings drift;
   std::optional<SimSettings> sim;        ///< where a device has the driver "sim", or the file has [sim]
   std::optional<ReplaySettings> replay;  ///< where the file has [replay]
   std::filesystem::path board;           ///< of the chart; empty: none

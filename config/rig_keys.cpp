@@ -204,6 +204,11 @@ constexpr std::array kPublishKeys = {
     Flag("undistorted", "false", "those formats are for undistorted images"),
 };
 
+constexpr std::array kDriftKeys = {
+    Number("limit_px", kPixels, {0.01, 10}, "0.15: half of the smallest drift that must be found",
+           "a camera drifts when its picture of the object has moved by more than this"),
+};
+
 constexpr std::array kChartKeys = {
     Text("board", kRequired, "board.toml ([charts](chart.md)), relative to the rig file"),
 };
@@ -239,6 +244,9 @@ constexpr std::array kTables = {
              "When old recordings go (`rigcal recording prune`). What a revision needs never goes."},
     RigTable{"publish", false, kPublishKeys,
              "Where the service, rigcald, publishes what it finds ([store](store.md))."},
+};
+
+RigTable{"drift", false, kDriftKeys, "When a calibration in force no longer holds (`rigcal drift-check`)."},
     RigTable{"chart", false, kChartKeys, "The board of `rigcal capture --what chart`."},
     RigTable{"replay", false, kReplayKeys, "The recording that stands behind devices of the driver replay."},
     RigTable{"sim", false, kSimKeys, "The simulated studio that stands behind devices of the driver sim."},

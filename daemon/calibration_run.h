@@ -37,6 +37,7 @@ struct RefinedRig {
   std::vector<Patch> patches;                ///< of the last round
   std::vector<cv::Vec3b> patch_colours_bgr;  ///< one for each patch
   TrackSet tracks;                           ///< of the last round, held-out ones marked
+  std::vector<std::string> slips;            ///< of report.contradictions, those that say where the positioner slipped
   RunReport report;
 };
 

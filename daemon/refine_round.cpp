@@ -238,6 +238,7 @@ void FinishRig(const RefineState& state, const RefineOptions& options, RefinedRi
   }
   rig.report.rig = std::move(fit);
   rig.report.contradictions = state.rig->contradictions;
+  rig.slips = state.rig->slips;
   ValidationReport& validation = rig.report.validation;
   if (!state.rig->scale_is_lost) return;
   if (validation.verdict == Verdict::kAccepted) validation.verdict = Verdict::kInconclusive;

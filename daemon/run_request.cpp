@@ -8,7 +8,7 @@
 #include "config/rig_report.h"
 #include "config/rig_views.h"
 #include "core/base/joined.h"
-#include "core/rig/rig_prior.h"
+#include "daemon/rig_terms.h"
 #include "daemon/run_output.h"
 
 namespace rigcal {
@@ -18,12 +18,6 @@ namespace {
 constexpr int kPyramidLevels = 5;
 /// Patches are coloured from pictures of this level, where a patch is about a pixel.
 constexpr int kColourLevel = 2;
-/// How far a mount may have crept since the chart was seen: a tenth of a pixel at 2000 px of focal length and 0.5 m.
-/// Chosen.
-constexpr double kMountDriftRad = 5e-5, kMountDriftM = 2.5e-5;
-/// And its lens, by temperature: 0.2 px at the edge of a picture of 4000 px. Chosen.
-constexpr double kFocalDriftShare = 1e-4, kCentreDriftPx = 0.1;
-
 IntrinsicsMode ModeOf(const RunRequest& request) {
   if (request.method == "paper" || request.intrinsics == "per-view") return IntrinsicsMode::kPerView;
   return request.intrinsics == "fixed" ? IntrinsicsMode::kFixed : IntrinsicsMode::kPerCamera;
@@ -82,23 +76,6 @@ Provenance ProvenanceOf(const RunRequest& request, const PreparedRun& run) {
   return p;
 }
 
-/// What the adjustment has to know of the rig, its cameras a little looser than the seed had them.
-RigTerms TermsOf(const RigCalibration& rigged, const RigViews& placed) {
-  const RigEstimate& rig = *rigged.rig;
-  const std::size_t num_stops = placed.stops.size();
-  RigTerms terms{.prior = {rigged.cameras, rig.model, rig.covariance},
-                 .start = {rig.model, std::vector(num_stops, StopError(StopError::Zero()))},
-                 .stops = placed.stops,
-                 .stop_error_sigma = std::vector(num_stops, rig.model.error_sigma),
-                 .stop_of_view = placed.stop_of_view,
-                 .axes = rig.axes};
-  for (int c = 0; c < rigged.NumCameras(); ++c) {
-    if (rig.model.cam_from_mount[c]) LoosenMount(c, kMountDriftRad, kMountDriftM, terms.prior);
-    LoosenLens(c, kFocalDriftShare, kCentreDriftPx, terms.prior);
-  }
-  return terms;
-}
-
 /// Whether the file's rig gives the views their poses. Errors: kBadInput for options that contradict each other.
 Result<bool> StartsFromRig(const RunRequest& request, const OpenedPictures& pictures, bool has_rig) {
   const bool is_recording = !pictures.recorded.file.name.empty();
@@ -132,7 +109,10 @@ Result<LoadedCameras> CamerasFor(const RunRequest& request, const OpenedPictures
     auto placed = PlaceRecording(rig.calibration, request.cameras.string(), pictures.recorded.recording,
                                  pictures.folder.string());
     if (!placed) return Fail(placed.error());
-    if (request.poses != "free" && request.fixed_cameras.empty()) terms = TermsOf(rig.calibration, *placed);
+    if (request.poses != "free" && request.fixed_cameras.empty()) {
+      terms = RigTermsOf(*placed);
+      AllowForCreep(*terms);
+    }
     LoadedCameras loaded{.calibration = std::move(placed->calibration), .sizes_known = true};
     if (request.poses == "auto" && !request.fixed_cameras.empty())
       loaded.notes.emplace_back("--fix-cameras: the poses are free, not those of the rig");

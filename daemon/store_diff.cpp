@@ -2,11 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "config/calibration_file.h"
 #include "config/json_text.h"
 #include "core/base/joined.h"
+#include "core/geometry/shift_text.h"
 
 namespace rigcal {
 namespace {
@@ -21,13 +20,6 @@ Result<RigCalibration> CalibrationOf(const CalibrationRevision& revision) {
   auto content = ParseCalibration(revision.calibration_text, name);
   if (!content) return Fail(content.error());
   return std::move(content->calibration);
-}
-
-/// "0.41 right, 0.12 down": how the picture of the object shifted, on average.
-std::string ShiftText(const CameraMotion& motion) {
-  const Eigen::Vector2d& shift_px = motion.shift_px;
-  return fmt::format("{:.2f} {}, {:.2f} {}", std::abs(shift_px.x()), shift_px.x() < 0 ? "left" : "right",
-                     std::abs(shift_px.y()), shift_px.y() < 0 ? "up" : "down");
 }
 
 std::string SigmaText(const CameraMotion& motion) {
@@ -64,7 +56,7 @@ std::string DiffText(const RevisionDiff& diff) {
                                  d.num_views, d.by_rig ? "at the rig's exact stops" : "of the same name");
   for (const CameraMotion& motion : d.cameras) {
     text += fmt::format("  {:16} {:.2f} px: the picture moved {} on average; {}\n", motion.camera, motion.moved_px,
-                        ShiftText(motion), SigmaText(motion));
+                        ShiftText(motion.shift_px), SigmaText(motion));
   }
   text += OnlyText(d.only_before, diff.before.number) + OnlyText(d.only_after, diff.after.number);
   if (d.cameras.size() < kMinCamerasToTell) {

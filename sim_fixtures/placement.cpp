@@ -94,13 +94,39 @@ std::vector<Vector3d> SweptOutline(std::span<const Eigen::Vector3f> surface, dou
 }
 
 /// The camera turns about its own centre, as on the head of its tripod.
-Rigid3d Bumped(const StudioOptions& options, int camera, Rigid3d cam_from_stage) {
+Rigid3d TurnedBy(const Vector3d& turn_rad, const Rigid3d& cam_from_stage) {
+  return Rigid3d{ExpRotation(turn_rad), Vector3d::Zero()} * cam_from_stage;
+}
+
+/// Mean shift of the pictures of the outline.
+double MeanShift_px(const Camera& camera, const Rigid3d& before, const Rigid3d& after,
+                    std::span<const Vector3d> outline) {
+  double sum_px = 0;
+  int count = 0;
+  for (const Vector3d& x : outline) {
+    const auto a_px = Project(Undistorted(camera), before * x), b_px = Project(Undistorted(camera), after * x);
+    if (!a_px || !b_px) continue;
+    sum_px += (*b_px - *a_px).norm();
+    ++count;
+  }
+  return sum_px / std::max(1, count);
+}
+
+/// With the faults of its mount. `index` is the camera's.
+Rigid3d Bumped(const StudioOptions& options, int index, const Camera& camera, std::span<const Vector3d> outline,
+               Rigid3d cam_from_stage) {
+  Random random(DeriveSeed(options.random_seed, kBumpTask + static_cast<std::uint64_t>(index)));
+  const double x = random.Normal(), y = random.Normal(), z = random.Normal();
+  const Vector3d axis_in_cam = Vector3d(x, y, z).normalized();
   for (const Fault& bump : options.bumps) {
-    if (bump.index != camera) continue;
-    Random random(DeriveSeed(options.random_seed, kBumpTask + static_cast<std::uint64_t>(camera)));
-    const double x = random.Normal(), y = random.Normal(), z = random.Normal();
-    const Rigid3d turn{ExpRotation(bump.angle_deg * kRadPerDeg * Vector3d(x, y, z).normalized()), Vector3d::Zero()};
-    cam_from_stage = turn * cam_from_stage;
+    if (bump.index == index) cam_from_stage = TurnedBy(bump.angle_deg * kRadPerDeg * axis_in_cam, cam_from_stage);
+  }
+  for (const PixelBump& bump : options.pixel_bumps) {
+    if (bump.index != index) continue;
+    constexpr double kTrial_rad = 1e-4;  // so little that the shift grows with the angle
+    const double trial_px =
+        MeanShift_px(camera, cam_from_stage, TurnedBy(kTrial_rad * axis_in_cam, cam_from_stage), outline);
+    cam_from_stage = TurnedBy(kTrial_rad * bump.shift_px / trial_px * axis_in_cam, cam_from_stage);
   }
   return cam_from_stage;
 }
@@ -129,7 +155,8 @@ void PlaceAtTurntable(const StudioOptions& options, const Vector3d& target, std:
     const double azimuth_deg = -90 + kCameraSpacing_deg * (c - 0.5 * (options.num_cameras - 1));
     const Aim aim{azimuth_deg * kRadPerDeg, elevation_deg * kRadPerDeg, 1.5 * kRadPerDeg * std::cos(2.0 * c + 1)};
     const double distance_m = FittingDistance(placement.truth.cameras[c], aim, target, outline);
-    const Rigid3d cam_from_stage = Bumped(options, c, CamFromStage(aim, target, distance_m));
+    const Rigid3d cam_from_stage =
+        Bumped(options, c, placement.truth.cameras[c], outline, CamFromStage(aim, target, distance_m));
     placement.cam_from_stage.push_back(cam_from_stage);
     for (int stop = 0; stop < options.num_stops; ++stop) {
       const StopError& error = placement.stop_errors[stop];

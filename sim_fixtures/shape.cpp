@@ -190,4 +190,28 @@ Material MaterialOf(Scene scene) {
   return {.texture = {}, .mean = 0.7f, .contrast = 0};
 }
 
+Shape VariantOf(const Shape& shape, int variant) {
+  if (variant == 0) return shape;
+  const double golden_rad = std::numbers::pi * (3 - std::sqrt(5.0));
+  const Eigen::Matrix3d world_from_object =
+      Eigen::AngleAxisd(std::remainder(golden_rad * variant, 2 * std::numbers::pi), Vector3d::UnitZ())
+          .toRotationMatrix();
+  Shape turned{.distance_m = [distance_m = shape.distance_m,
+                              object_from_world = Eigen::Matrix3d(world_from_object.transpose())](const Vector3d& x) {
+    return distance_m(object_from_world * x);
+  }};
+  for (int corner = 0; corner < 8; ++corner) {
+    turned.bounds_in_world.extend(world_from_object *
+                                  shape.bounds_in_world.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
+  }
+  return turned;
+}
+
+Material VariantOf(const Material& material, int variant) {
+  constexpr std::uint32_t kSeedsApart = 1000;  // of textures that are to have nothing in common
+  Material other = material;
+  other.texture.seed += kSeedsApart * static_cast<std::uint32_t>(variant);
+  return other;
+}
+
 }  // namespace rigcal::sim

@@ -43,6 +43,11 @@ struct Material {
 Shape ShapeOf(Scene scene);
 Material MaterialOf(Scene scene);
 
+/// Variants of an object: 0 is the object itself, the others are turned about the axis (by golden angles, so that no
+/// two stand alike) and have another texture.
+Shape VariantOf(const Shape& shape, int variant);
+Material VariantOf(const Material& material, int variant);
+
 /// Where the kMarker sphere is.
 inline const Eigen::Vector3d kMarkerCentreInWorld_m(0.018, -0.011, 0.035);
 inline constexpr double kMarkerRadius_m = 0.003;

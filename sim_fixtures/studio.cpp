@@ -34,13 +34,18 @@ Result<void> CheckRanges(std::span<const Range> ranges) {
 }
 
 Result<void> CheckFaults(const StudioOptions& options) {
-  if (options.motion != Motion::kTurntable && !(options.bumps.empty() && options.slips.empty())) {
+  if (options.motion != Motion::kTurntable &&
+      !(options.bumps.empty() && options.pixel_bumps.empty() && options.slips.empty())) {
     return Fail(ErrorCode::kBadInput, "the simulated studio: bump and slip are faults of a turntable's rig");
   }
   std::vector<Range> ranges;
   for (const Fault& bump : options.bumps) {
     ranges.push_back({"bump's camera", static_cast<double>(bump.index), 0, options.num_cameras - 1.0});
     ranges.push_back({"bump's angle (deg)", bump.angle_deg, -kMaxBump_deg, kMaxBump_deg});
+  }
+  for (const PixelBump& bump : options.pixel_bumps) {
+    ranges.push_back({"bump's camera", static_cast<double>(bump.index), 0, options.num_cameras - 1.0});
+    ranges.push_back({"bump's shift (px)", bump.shift_px, -kMaxPixelBump_px, kMaxPixelBump_px});
   }
   for (const Fault& slip : options.slips) {
     ranges.push_back({"slip's stop", static_cast<double>(slip.index), 0, options.num_stops - 1.0});
@@ -72,6 +77,7 @@ Result<void> Check(const StudioOptions& options) {
       {"step-error-deg", options.step_error_deg, 0, kMaxStepError_deg},
       {"wobble-deg", options.wobble_deg, 0, turns ? kMaxWobble_deg : 0.0},
       {"run-out-mm", options.run_out_mm, 0, turns ? kMaxRunOut_mm : 0.0},
+      {"object-variant", static_cast<double>(options.object_variant), 0, kMaxObjectVariant},
       {"cell (m)", options.cell_m, 0.0003, 0.01},
   };
   if (const auto checked = CheckRanges(ranges); !checked) return checked;
@@ -164,6 +170,11 @@ Result<Studio> MakeStudio(const StudioOptions& options, const Execution& executi
   std::vector<TriangleMesh> meshes = {MeshOf(ShapeOf(options.scene), options.cell_m, execution)};
   if (execution.Stopped()) return Cancelled("the simulated studio");
   Placement placement = PlaceCameras(options, meshes[kObjectMesh].vertices_in_world);
+  const Scene object = options.object.value_or(options.scene);
+  if (object != options.scene || options.object_variant != 0) {
+    meshes[kObjectMesh] = MeshOf(VariantOf(ShapeOf(object), options.object_variant), options.cell_m, execution);
+    if (execution.Stopped()) return Cancelled("the simulated studio");
+  }
   for (const Camera& camera : placement.truth.cameras) {
     if (const auto checked = CheckDistortion(camera); !checked) return Fail(checked.error());
   }
@@ -184,7 +195,7 @@ Result<Studio> MakeStudio(const StudioOptions& options, const Execution& executi
                 .cam_from_stage = std::move(placement.cam_from_stage),
                 .lights = {},
                 .ambient = 0,
-                .object = MaterialOf(options.scene),
+                .object = VariantOf(MaterialOf(object), options.object_variant),
                 .table_top = {},
                 .walls = {},
                 .table_radius_m = table_radius_m,

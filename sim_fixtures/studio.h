@@ -36,6 +36,13 @@ struct Fault {
   double angle_deg = 0;
 };
 
+/// A camera that is turned about a random axis through itself until the pictures of the scene's object have moved by
+/// so much on average, wherever on the object.
+struct PixelBump {
+  int index = 0;
+  double shift_px = 0;
+};
+
 /// Everything that decides what is in front of the cameras and where they are.
 struct StudioOptions {
   Scene scene = Scene::kTextured;
@@ -50,7 +57,10 @@ struct StudioOptions {
   double step_error_deg = 0;           ///< standard deviation of the table's angles about their nominal values
   double wobble_deg = 0;               ///< the same of the table's tilt at a stop, about each of x and y
   double run_out_mm = 0;               ///< the same of its shift, along each of x and y
+  std::optional<Scene> object;         ///< this one's object on the table, under the cameras of `scene`
+  int object_variant = 0;              ///< 0: as it is; else with another texture, turned about the axis
   std::vector<Fault> bumps;            ///< cameras whose mounts are turned about themselves
+  std::vector<PixelBump> pixel_bumps;  ///< the same, by what the turn does to the pictures
   std::vector<Fault> slips;            ///< stops at which the table has turned too far
   std::optional<ChartOptions>
       chart;                      ///< on the table instead of the scene's object, which still decides where cameras are
@@ -61,9 +71,9 @@ struct StudioOptions {
 /// The limits of StudioOptions: named in messages.
 inline constexpr int kMaxCameras = 16, kMaxViews = 720, kMinSide_px = 64, kMaxSide_px = 8192;
 inline constexpr double kMaxStepError_deg = 5, kMaxWobble_deg = 5, kMaxRunOut_mm = 10;
-inline constexpr double kMaxBump_deg = 20, kMaxSlip_deg = 180;
+inline constexpr double kMaxBump_deg = 20, kMaxPixelBump_px = 100, kMaxSlip_deg = 180;
 inline constexpr double kMaxBow_mm = 10, kMaxStretch = 0.05, kMaxBoardTilt_deg = 60;
-inline constexpr int kMaxHandHeld = 200;
+inline constexpr int kMaxHandHeld = 200, kMaxObjectVariant = 1000000;
 
 /// A lamp far away, made soft by letting its light reach round the edge.
 struct Light {

@@ -55,7 +55,12 @@ Json AsJson(const StudioOptions& o) {
                {"cell_m", o.cell_m}};
   if (o.wobble_deg != 0) json["wobble_deg"] = o.wobble_deg;
   if (o.run_out_mm != 0) json["run_out_mm"] = o.run_out_mm;
+  if (o.object) json["object"] = NameOf(*o.object);
+  if (o.object_variant != 0) json["object_variant"] = o.object_variant;
   if (!o.bumps.empty()) json["bumps"] = AsJson(o.bumps);
+  for (const PixelBump& bump : o.pixel_bumps) {
+    json["pixel_bumps"].push_back({{"index", bump.index}, {"shift_px", bump.shift_px}});
+  }
   if (!o.slips.empty()) json["slips"] = AsJson(o.slips);
   return json;
 }
@@ -76,6 +81,11 @@ Result<StudioOptions> StudioOptionsFrom(const nlohmann::json& json) {
   if (!scene || !motion || !surroundings) {
     return Fail(ErrorCode::kBadInput, "studio.scene, studio.motion or studio.background has an unknown name");
   }
+  if (json.contains("object")) {
+    options.object = SceneFromName(json.at("object").get<std::string>());
+    if (!options.object) return Fail(ErrorCode::kBadInput, "studio.object has an unknown name");
+  }
+  options.object_variant = json.value("object_variant", 0);
   options.scene = *scene;
   options.motion = *motion;
   options.surroundings = *surroundings;
@@ -89,6 +99,9 @@ Result<StudioOptions> StudioOptionsFrom(const nlohmann::json& json) {
   options.wobble_deg = json.value("wobble_deg", 0.0);
   options.run_out_mm = json.value("run_out_mm", 0.0);
   options.bumps = FaultsFrom(json, "bumps");
+  for (const nlohmann::json& bump : json.value("pixel_bumps", nlohmann::json::array())) {
+    options.pixel_bumps.push_back({bump.at("index").get<int>(), bump.at("shift_px").get<double>()});
+  }
   options.slips = FaultsFrom(json, "slips");
   json.at("random_seed").get_to(options.random_seed);
   json.at("cell_m").get_to(options.cell_m);

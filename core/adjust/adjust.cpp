@@ -162,6 +162,7 @@ Result<int> SolveRobustly(const AdjustOptions& options, const Execution& executi
   } while (terms.rig && LetGoOfWorst(unknowns, options.contradiction_sigmas, *terms.rig, let_go));
   if (terms.rig) {
     outcome.contradictions = SentencesOf(let_go, options.contradiction_sigmas, unknowns, *options.rig);
+    outcome.slips = SlipSentences(let_go, options.contradiction_sigmas, unknowns, *options.rig);
     outcome.scale_is_lost = ScaleIsLost(let_go, unknowns);
   }
   return iterations;

@@ -63,7 +63,8 @@ struct RigOutcome {
   std::vector<StopError> stop_error_sigma;  ///< zeros without covariance
   /// Stops and cameras that are not where the rig has them, one sentence each; their priors were let go.
   std::vector<std::string> contradictions;
-  bool scale_is_lost = false;  ///< no camera kept its place: lengths are free
+  std::vector<std::string> slips;  ///< those of them that say where the positioner slipped
+  bool scale_is_lost = false;      ///< no camera kept its place: lengths are free
 };
 
 struct Adjustment {

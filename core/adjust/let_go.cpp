@@ -202,14 +202,21 @@ std::vector<std::string> SentencesOf(const LetGo& let_go, double sigmas, const B
       sentences.push_back(LensSentence(camera, solution, rig.prior));
     }
   }
-  const std::vector<WorstComponent> worst = WorstOfStops(solution, rig);
-  for (const int s : let_go.stops) {
-    if (worst[s].sigmas > sigmas) sentences.push_back(StopSentence(worst[s], s, *solution.rig, rig));
-  }
+  for (std::string& sentence : SlipSentences(let_go, sigmas, solution, rig)) sentences.push_back(std::move(sentence));
   if (ScaleIsLost(let_go, solution)) {
     sentences.emplace_back(
         "no camera kept its place in the rig: how large the object is, and where the axis is, cannot be told; show the "
         "chart again");
+  }
+  return sentences;
+}
+
+std::vector<std::string> SlipSentences(const LetGo& let_go, double sigmas, const BundleUnknowns& solution,
+                                       const RigTerms& rig) {
+  const std::vector<WorstComponent> worst = WorstOfStops(solution, rig);
+  std::vector<std::string> sentences;
+  for (const int s : let_go.stops) {
+    if (worst[s].sigmas > sigmas) sentences.push_back(StopSentence(worst[s], s, *solution.rig, rig));
   }
   return sentences;
 }

@@ -28,6 +28,10 @@ bool LetGoOfWorst(const BundleUnknowns& solution, double sigmas, RigTerms& rig, 
 std::vector<std::string> SentencesOf(const LetGo& let_go, double sigmas, const BundleUnknowns& solution,
                                      const RigTerms& rig);
 
+/// Those of them that are of stops.
+std::vector<std::string> SlipSentences(const LetGo& let_go, double sigmas, const BundleUnknowns& solution,
+                                       const RigTerms& rig);
+
 /// Whether nothing is left that tells how large everything is: a turntable does not know lengths, and every camera that
 /// saw something was let go.
 bool ScaleIsLost(const LetGo& let_go, const BundleUnknowns& solution);

@@ -35,7 +35,7 @@ class RigPoses : public PoseBlocks {
     std::vector<double*> blocks = Addresses(intrinsics);
     for (double* mount : Addresses(mounts_)) blocks.push_back(mount);
     blocks.insert(blocks.end(), {anchor_.data(), axes_.data()});
-    problem.AddResidualBlock(new RigPriorResidual(rig_.prior), nullptr, blocks);
+    if (!rig_.prior.FreeRows().empty()) problem.AddResidualBlock(new RigPriorResidual(rig_.prior), nullptr, blocks);
     for (std::size_t s = 0; s < stop_errors_.size(); ++s) {
       const StopError weight =
           rig_.stop_error_sigma[s].unaryExpr([](double sigma) { return sigma > 0 ? 1 / sigma : 0.0; });

@@ -142,6 +142,7 @@ Eigen::MatrixXd IntrinsicsInformation(const RigCalibration& calibration, const F
 }
 
 Eigen::MatrixXd CovarianceRoot(const Eigen::MatrixXd& information) {
+  if (information.rows() == 0) return information;
   constexpr double kMinRelativeEigenvalue = 1e-13;
   const Eigen::VectorXd scale =
       information.diagonal().unaryExpr([](double d) { return d > 0 ? 1 / std::sqrt(d) : 1.0; });

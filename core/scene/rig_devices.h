@@ -74,6 +74,15 @@ struct KeepRule {
   std::optional<double> min_free_bytes;
 };
 
+/// Motion at the object beyond which a camera drifts: half of the smallest one that must be found (0.3 px, issue 5), as
+/// far from a false alarm as from a miss.
+inline constexpr double kDriftLimitPx = 0.15;
+
+/// When a calibration in force no longer holds.
+struct DriftSettings {
+  double limit_px = kDriftLimitPx;
+};
+
 /// The simulated studio that stands behind devices of the driver "sim". Its motion is that of the rig's positioner.
 struct SimSettings {
   std::string scene = "textured";      ///< what stands on the table when it is not the chart

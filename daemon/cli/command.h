@@ -35,6 +35,7 @@ void AddSeedCommand(CLI::App& app, CommandSession& session);
 void AddChartCommand(CLI::App& app, CommandSession& session);
 void AddHistoryCommands(CLI::App& app, CommandSession& session);
 void AddPublishCommands(CLI::App& app, CommandSession& session);
+void AddDriftCommand(CLI::App& app, CommandSession& session);
 void AddStoreCommand(CLI::App& app, CommandSession& session);
 void AddServiceCommands(CLI::App& app, CommandSession& session);
 void AddSimCommand(CLI::App& app, CommandSession& session);

@@ -63,6 +63,7 @@ int Main(int argc, char** argv) {
   AddChartCommand(app, session);
   AddHistoryCommands(app, session);
   AddPublishCommands(app, session);
+  AddDriftCommand(app, session);
   AddStoreCommand(app, session);
   AddServiceCommands(app, session);
   AddSimCommand(app, session);

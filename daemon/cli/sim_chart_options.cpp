@@ -72,21 +72,21 @@ Result<std::optional<sim::ChartOptions>> ChartOf(const SimChartRequest& request)
   return std::optional(std::move(options));
 }
 
-Result<std::vector<sim::Fault>> FaultsOf(const std::string& option, const std::string& prefix,
-                                         const std::vector<std::string>& given) {
-  std::vector<sim::Fault> faults;
+Result<std::vector<IndexedNumber>> FaultsOf(const FaultOption& option, const std::vector<std::string>& given) {
+  std::vector<IndexedNumber> faults;
   for (const std::string& text : given) {
     const std::size_t colon = text.find(':');
     std::string_view index = std::string_view(text).substr(0, colon);
+    const std::string_view prefix = option.prefix;
     if (index.starts_with(prefix)) index.remove_prefix(prefix.size());
     const auto which = NumberFrom<int>(index);
-    const auto angle_deg =
+    const auto number =
         colon == std::string::npos ? std::nullopt : NumberFrom<double>(std::string_view(text).substr(colon + 1));
-    if (!which || !angle_deg) {
-      return Fail(ErrorCode::kBadInput, "--{} is '{}', must be a number and an angle in degrees, as 1:0.5", option,
-                  text);
+    if (!which || !number) {
+      return Fail(ErrorCode::kBadInput, "--{} is '{}', must be a number and {}, as 1:0.5", option.name, text,
+                  option.number);
     }
-    faults.push_back({*which, *angle_deg});
+    faults.push_back({*which, *number});
   }
   return faults;
 }

@@ -23,8 +23,18 @@ void AddSimChartOptions(CLI::App& command, SimChartRequest& request);
 /// Nothing without --chart. Errors: those of ReadFile and ParseBoard; kBadInput: more than two bows.
 Result<std::optional<sim::ChartOptions>> ChartOf(const SimChartRequest& request);
 
-/// The faults of `--OPTION INDEX:DEG`; an index may have `prefix` before it ("cam1:0.5"). Errors: kBadInput.
-Result<std::vector<sim::Fault>> FaultsOf(const std::string& option, const std::string& prefix,
-                                         const std::vector<std::string>& given);
+/// One `--OPTION INDEX:NUMBER`.
+struct IndexedNumber {
+  int index = 0;
+  double number = 0;
+};
+
+/// How an option's faults are written: what may stand before the index ("cam1:0.5"), and the words for the number.
+struct FaultOption {
+  const char *name, *prefix, *number;
+};
+
+/// Errors: kBadInput.
+Result<std::vector<IndexedNumber>> FaultsOf(const FaultOption& option, const std::vector<std::string>& given);
 
 }  // namespace rigcal

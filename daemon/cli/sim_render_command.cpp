@@ -17,8 +17,8 @@ struct RenderRequest {
   sim::StudioOptions studio;
   SimFolderOptions folder;
   SimChartRequest chart;
-  std::vector<std::string> bumps, slips;
-  std::string scene = "textured", motion = "turntable", background = "black";
+  std::vector<std::string> bumps, pixel_bumps, slips;
+  std::string scene = "textured", object, motion = "turntable", background = "black";
   std::vector<double> distortion;
   std::string out;
   int num_threads = 0;  ///< 0: one for each processor
@@ -40,6 +40,11 @@ Result<void> Complete(RenderRequest& request) {
       Choose(sim::SurroundingsFromName(request.background), "background", request.background, {"black", "backdrop"});
   if (!surroundings) return Fail(surroundings.error());
   request.studio.scene = *scene;
+  if (!request.object.empty()) {
+    const auto object = Choose(sim::SceneFromName(request.object), "object", request.object, sim::SceneNames());
+    if (!object) return Fail(object.error());
+    request.studio.object = *object;
+  }
   request.studio.motion = *motion;
   request.studio.surroundings = *surroundings;
   if (request.distortion.size() > request.studio.distortion.size()) {
@@ -51,14 +56,17 @@ Result<void> Complete(RenderRequest& request) {
 }
 
 Result<void> CompleteRig(RenderRequest& request) {
-  auto bumps = FaultsOf("bump", "cam", request.bumps);
+  const auto bumps = FaultsOf({"bump", "cam", "an angle in degrees"}, request.bumps);
   if (!bumps) return Fail(bumps.error());
-  auto slips = FaultsOf("slip", "", request.slips);
+  const auto pixel_bumps = FaultsOf({"bump-px", "cam", "pixels"}, request.pixel_bumps);
+  if (!pixel_bumps) return Fail(pixel_bumps.error());
+  const auto slips = FaultsOf({"slip", "", "an angle in degrees"}, request.slips);
   if (!slips) return Fail(slips.error());
   auto chart = ChartOf(request.chart);
   if (!chart) return Fail(chart.error());
-  request.studio.bumps = std::move(*bumps);
-  request.studio.slips = std::move(*slips);
+  for (const auto& [camera, angle_deg] : *bumps) request.studio.bumps.push_back({camera, angle_deg});
+  for (const auto& [camera, shift_px] : *pixel_bumps) request.studio.pixel_bumps.push_back({camera, shift_px});
+  for (const auto& [stop, angle_deg] : *slips) request.studio.slips.push_back({stop, angle_deg});
   request.studio.chart = std::move(*chart);
   return {};
 }
@@ -74,6 +82,10 @@ void AddRigErrorOptions(CLI::App& command, RenderRequest& request) {
   command.add_option("--run-out-mm", studio.run_out_mm, "Standard deviation of its shift, along each of x and y")
       ->capture_default_str();
   command.add_option("--bump", request.bumps, "CAMERA:DEG, a fault: this camera is turned by DEG about a random axis")
+      ->take_all();
+  command
+      .add_option("--bump-px", request.pixel_bumps,
+                  "CAMERA:PX, a fault: turned so far that the object's pictures move by PX on average")
       ->take_all();
   command.add_option("--slip", request.slips, "STOP:DEG, a fault: at this stop the table has turned DEG too far")
       ->take_all();
@@ -104,6 +116,11 @@ void AddSimRenderCommand(CLI::App& sim, CommandSession& session) {
   SimFolderOptions& folder = request->folder;
   command->add_option("--out", request->out, "Folder to write")->required();
   command->add_option("--scene", request->scene, "textured, plaster or thin")->capture_default_str();
+  command->add_option("--object", request->object, "The object of this scene on the table, under the scene's cameras");
+  command
+      ->add_option("--object-variant", studio.object_variant,
+                   "Above 0: another object of its kind, with another texture and turned about the axis")
+      ->capture_default_str();
   command->add_option("--motion", request->motion, "turntable or gantry")->capture_default_str();
   command->add_option("--background", request->background, "black or backdrop")->capture_default_str();
   command->add_option("--cameras", studio.num_cameras, "Cameras at a turntable")->capture_default_str();

@@ -92,6 +92,12 @@ TEST(RigHardware, ReadsCaptureKeepAndChart) {
   EXPECT_EQ(rig.board, "studio/board.toml") << "paths begin at the rig file";
 }
 
+TEST(RigHardware, ReadsWhenACameraDrifts) {
+  EXPECT_EQ(Parsed(std::string(kWholeRig) + "[drift]\nlimit_px = 0.4\n").drift.limit_px, 0.4);
+  EXPECT_EQ(Parsed(kWholeRig).drift.limit_px, kDriftLimitPx);
+  ExpectRefused(ParseRig(std::string(kWholeRig) + "[drift]\nlimit_px = 0\n", "rig.toml"), {"limit_px", "0.01", "10"});
+}
+
 TEST(RigHardware, ReadsAGantrysAxesByTheirNames) {
   const RigFile rig = Parsed(kGantryRig);
   const std::vector<AxisSettings>& axes = rig.positioner.axes;

@@ -9,7 +9,7 @@ import re
 import sys
 
 TYPES = {"core/base", "core/geometry", "core/image", "core/scene"}
-STAGES = {"core/seed", "core/mvs", "core/match", "core/adjust", "core/validate"}
+STAGES = {"core/seed", "core/mvs", "core/match", "core/adjust", "core/validate", "core/drift"}
 CORE = TYPES | STAGES | {"core/rig"}
 DEVICE_DRIVERS = {"drivers/" + name for name in ("genicam", "usb", "linuxcnc", "grbl", "arm", "replay", "sim")}
 # folder -> folders of this project that its files may include (its own is always allowed)

@@ -109,6 +109,57 @@ TEST(MakeStudio, ABumpTurnsItsCameraAboutItself) {
   EXPECT_LT(turn.translation.norm(), 1e-12);
 }
 
+TEST(MakeStudio, APixelBumpMovesThePicturesOfTheObjectBySoMuch) {
+  StudioOptions options = Table(4);
+  options.random_seed = 5;
+  const Studio before = MakeOrDie(options);
+  options.pixel_bumps = {{1, 0.3}};
+  const Studio after = MakeOrDie(options);
+  ExpectSame(after.cam_from_stage[0], before.cam_from_stage[0]);
+  double sum_px = 0;
+  int count = 0;
+  for (int v = 0; v < before.truth.NumViews(); ++v) {
+    if (before.truth.views[v].camera != 1) continue;
+    for (const auto& x : before.rays.Meshes()[kObjectMesh].vertices_in_world) {
+      const Eigen::Vector3d x_in_world = x.cast<double>();
+      sum_px += (*Project(after.truth.CameraOf(v), after.truth.views[v].cam_from_world * x_in_world) -
+                 *Project(before.truth.CameraOf(v), before.truth.views[v].cam_from_world * x_in_world))
+                    .norm();
+      ++count;
+    }
+  }
+  EXPECT_NEAR(sum_px / count, 0.3, 0.03);
+  EXPECT_LT((after.cam_from_stage[1] * before.cam_from_stage[1].Inverse()).translation.norm(), 1e-12);
+  const auto again = StudioFromTruth(TruthText(after, {}), "truth.json", {});
+  ASSERT_TRUE(again.has_value()) << again.error().message;
+  EXPECT_EQ(TruthText(*again, {}), TruthText(after, {}));
+}
+
+TEST(MakeStudio, AnotherObjectStandsUnderTheSameCameras) {
+  StudioOptions options = Table(2);
+  const Studio figurine = MakeOrDie(options);
+  options.object = Scene::kMarker;
+  const Studio marker = MakeOrDie(options);
+  ExpectSame(marker.cam_from_stage[1], figurine.cam_from_stage[1]);
+  EXPECT_LT(marker.rays.Meshes()[kObjectMesh].vertices_in_world.size(),
+            figurine.rays.Meshes()[kObjectMesh].vertices_in_world.size());
+  options.object_variant = 3;
+  const Studio variant = MakeOrDie(options);
+  EXPECT_NE(variant.object.texture.seed, marker.object.texture.seed);
+  // The sphere beside the axis stands elsewhere about it, at the same height and distance.
+  const auto centre = [](const Studio& studio) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const auto& x : studio.rays.Meshes()[kObjectMesh].vertices_in_world) sum += x.cast<double>();
+    return Eigen::Vector3d(sum / static_cast<double>(studio.rays.Meshes()[kObjectMesh].vertices_in_world.size()));
+  };
+  EXPECT_NEAR(centre(variant).z(), centre(marker).z(), 1e-4);
+  EXPECT_NEAR(centre(variant).head<2>().norm(), centre(marker).head<2>().norm(), 1e-4);
+  EXPECT_GT((centre(variant) - centre(marker)).norm(), 0.01);
+  const auto again = StudioFromTruth(TruthText(variant, {}), "truth.json", {});
+  ASSERT_TRUE(again.has_value()) << again.error().message;
+  EXPECT_EQ(TruthText(*again, {}), TruthText(variant, {}));
+}
+
 // Sets that were made before tables wobbled: the same angles, by the same arithmetic, and a truth.json of the same
 // keys.
 TEST(MakeStudio, UnusedOptionsLeaveNoTrace) {
@@ -118,7 +169,8 @@ TEST(MakeStudio, UnusedOptionsLeaveNoTrace) {
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(studio.table_angle_rad[3], Eigen::Vector3d::UnitZ()));
   EXPECT_EQ(studio.stage_from_world[3].rotation.coeffs(), turn.coeffs());
   const std::string text = TruthText(studio, {});
-  for (const char* key : {"wobble", "run_out", "bumps", "slips", "stop_errors", "commanded", "chart"}) {
+  for (const char* key :
+       {"wobble", "run_out", "bumps", "slips", "stop_errors", "commanded", "chart", "object_variant"}) {
     EXPECT_THAT(text, Not(HasSubstr(key)));
   }
 }
