@@ -244,9 +244,7 @@ constexpr std::array kTables = {
              "When old recordings go (`rigcal recording prune`). What a revision needs never goes."},
     RigTable{"publish", false, kPublishKeys,
              "Where the service, rigcald, publishes what it finds ([store](store.md))."},
-};
-
-RigTable{"drift", false, kDriftKeys, "When a calibration in force no longer holds (`rigcal drift-check`)."},
+    RigTable{"drift", false, kDriftKeys, "When a calibration in force no longer holds (`rigcal drift-check`)."},
     RigTable{"chart", false, kChartKeys, "The board of `rigcal capture --what chart`."},
     RigTable{"replay", false, kReplayKeys, "The recording that stands behind devices of the driver replay."},
     RigTable{"sim", false, kSimKeys, "The simulated studio that stands behind devices of the driver sim."},
