@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include "config/recording_file.h"
 #include "core/base/ensure.h"
 #include "core/base/joined.h"
 
@@ -42,13 +43,19 @@ Result<void> CheckSpace(const AcquisitionDevices& devices, const AcquisitionPlan
               num_pictures, needed);
 }
 
-/// A name of a file from ids that may hold anything.
-std::string FileName(const std::string& camera, const std::string& stop) {
+/// A name of a file from ids that may hold anything: none that the recording has.
+std::string FileName(const std::string& camera, const std::string& stop, const Recording& recording) {
   std::string name = camera + "_" + stop;
   for (char& c : name) {
     if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_' && c != '-' && c != '.') c = '_';
   }
-  return name + ".png";
+  std::string file = name + ".png";
+  // Camera "left" at stop "x_1" and camera "left_x" at stop "1".
+  for (int number = 2; std::ranges::find(recording.views, file, &RecordedView::file) != recording.views.end();
+       ++number) {
+    file = fmt::format("{}~{}.png", name, number);
+  }
+  return file;
 }
 
 Result<std::string> PngOf(const cv::Mat& pixels, const std::string& file) {
@@ -151,11 +158,16 @@ Result<void> CheckStopsOfPlan(const Recording& recording, const CaptureRequest& 
   return {};
 }
 
-/// What goes on is the recording that was begun: its kind of pictures, its stops.
+/// What goes on is the recording that was begun: its kind of pictures, its subject, its stops.
 Result<void> CheckSameRecording(const RecordingWriter& writer, bool linear, const CaptureRequest& request) {
   if (writer.Content().linear != linear) {
     return Fail(ErrorCode::kBadInput, "{}: the recording's pictures are {}, the rig's cameras give {} ones",
                 request.out.string(), linear ? "gamma-encoded" : "linear", linear ? "linear" : "gamma-encoded");
+  }
+  for (const RecordedView& view : writer.Content().views) {
+    if (view.subject == request.subject) continue;
+    return Fail(ErrorCode::kBadInput, "{}: view '{}' of the recording shows the {}, not the {}", request.out.string(),
+                view.file, NameOf(view.subject), NameOf(request.subject));
   }
   return request.plan.cameras_at ? Result<void>() : CheckStopsOfPlan(writer.Content(), request);
 }
@@ -216,7 +228,7 @@ class RecordingSink {
       view.file = picture.file->name;
       return writer_.AddView(std::move(view), picture.file->bytes);
     }
-    view.file = FileName(writer_.Content().cameras[taken.camera].id, taken.stop.id);
+    view.file = FileName(writer_.Content().cameras[taken.camera].id, taken.stop.id, writer_.Content());
     const Result<std::string> png = PngOf(picture.pixels, view.file);
     if (!png) return Fail(png.error());
     return writer_.AddView(std::move(view), *png);

@@ -40,9 +40,9 @@ std::uintmax_t BytesNeeded(const AcquisitionDevices& devices, const AcquisitionP
 /// Takes a recording: acquisition into `out`, closed at the end. Resuming takes only the views that the recording does
 /// not list. Errors: kDiskFull before anything moves (before the pictures of each stop where a positioner says its
 /// stops itself), with what is free and what is needed; kBadInput: the cameras are not of one kind (linear), or a
-/// recording that is resumed has others, or stops that are none of the plan's or at another place, or an arm that
-/// resumes a stop is elsewhere; kDevice: an arm ended without coming again to a stop of which pictures are missing;
-/// those of RecordingWriter and Acquire. What was taken before an error is in a recording that is not closed.
+/// recording that is resumed has others, another subject, or stops that are none of the plan's or at another place, or
+/// an arm that resumes a stop is elsewhere; kDevice: an arm ended without coming again to a stop of which pictures are
+/// missing; those of RecordingWriter and Acquire. What was taken before an error is in a recording that is not closed.
 Result<CaptureOutcome> CaptureRecording(const AcquisitionDevices& devices, const CaptureRequest& request,
                                         const std::function<void(const AcquisitionProgress&)>& listener,
                                         const std::stop_token& stop);

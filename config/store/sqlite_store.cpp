@@ -345,6 +345,8 @@ Result<void> CheckPlace(const std::filesystem::path& file, bool create) {
     return Fail(ErrorCode::kBadInput, "{}: is a folder, the file of a calibration store is needed", file.string());
   }
   if (std::filesystem::exists(file, error)) return {};
+  // Whoever may not look must not believe that nothing is there: pruning would take recordings that it needs.
+  if (error) return Fail(ErrorCode::kIo, "{}: opening failed ({})", file.string(), error.message());
   if (!create) return Fail(ErrorCode::kNotFound, "{}: there is no calibration store", file.string());
   return PrepareOutputFolder(file.has_parent_path() ? file.parent_path() : ".");
 }

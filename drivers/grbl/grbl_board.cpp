@@ -116,12 +116,14 @@ Result<std::optional<GrblLine>> GrblBoard::Next() {
 Result<void> GrblBoard::AwaitOk(std::string_view command, double timeout_s, double pause_s, const std::stop_token& stop,
                                 const std::function<void(const GrblLine&)>& each_line) {
   const double end_s = clock_.NowS() + timeout_s;
+  refused_ = false;
   while (true) {
     if (stop.stop_requested()) return Stopped();
     const Result<std::optional<GrblLine>> line = Next();
     if (!line) return Fail(line.error());
     if (*line && (*line)->kind == GrblLineKind::kOk) return {};
     if (*line && (*line)->kind == GrblLineKind::kError) {
+      refused_ = true;
       return Fail(ErrorCode::kDevice, "grbl: {}: '{}' was answered by error:{}, {}", Path(), command, (*line)->number,
                   GrblErrorMeaning((*line)->number));
     }

@@ -42,7 +42,9 @@ class GrblBoard {
   /// controller's own, in words.
   Result<void> Send(std::string_view command, const std::stop_token& stop,
                     const std::function<void(const GrblLine&)>& each_line = {});
-  /// The same for a homing cycle, which takes up to timeout_s of the clock.
+  /// Whether the latest command was answered by an error of the controller.
+  [[nodiscard]] bool Refused() const { return refused_; }
+  /// The same as Send for a homing cycle, which takes up to timeout_s of the clock.
   Result<void> SendHoming(double timeout_s, const std::stop_token& stop);
 
   /// A report that was asked for now. An alarm lock is no Error here, it is a state.
@@ -75,6 +77,7 @@ class GrblBoard {
   SerialLine line_;
   Clock& clock_;
   GrblMachine machine_;
+  bool refused_ = false;
   std::optional<GrblPosition> work_in_machine_;  ///< as last reported
 };
 

@@ -138,6 +138,13 @@ Result<void> GrblPositioner::CheckMoving(const GrblStatus& status) const {
               status.pins.empty() ? "" : ", inputs that are on: ", status.pins);
 }
 
+tl::unexpected<Error> GrblPositioner::WhyRefused(const Error& answered, const std::stop_token& stop) {
+  if (!board_.Refused()) return Fail(answered);
+  const Result<GrblStatus> status = board_.Status(stop);
+  const Result<void> moving = status ? CheckMoving(*status) : Result<void>();
+  return Fail(moving ? answered : moving.error());
+}
+
 Result<void> GrblPositioner::CheckIdle(const GrblStatus& status) const {
   if (Result<void> well = CheckMoving(status); !well || status.state == GrblState::kIdle) return well;
   return Fail(ErrorCode::kDevice, "grbl: {}: state {}: somebody else moves it, or a startup block ($N0, $N1)",
@@ -195,7 +202,7 @@ Result<GrblPosition> GrblPositioner::Travel(const StopTarget& target, const Grbl
   GrblPosition at = from;
   while (true) {
     for (std::string jog = path.NextJog(at); !jog.empty(); jog = path.NextJog(at)) {
-      if (Result<void> sent = board_.Send(jog, stop); !sent) return Fail(sent.error());
+      if (Result<void> sent = board_.Send(jog, stop); !sent) return WhyRefused(sent.error(), stop);
     }
     const bool all_sent = path.AllSent();
     GrblStatus status;

@@ -38,6 +38,8 @@ class GrblPositioner final : public PositionerDevice {
                               const std::stop_token& stop);
   /// The axes of the settings, radians or metres.
   [[nodiscard]] std::vector<double> AxesAt(const GrblPosition& at) const;
+  /// Why a jog was refused: the state of the controller where that tells it, else what it answered.
+  tl::unexpected<Error> WhyRefused(const Error& answered, const std::stop_token& stop);
   /// Errors: kDevice: the state is none in which a move goes on.
   [[nodiscard]] Result<void> CheckMoving(const GrblStatus& status) const;
   /// Errors: also kDevice: it moves.

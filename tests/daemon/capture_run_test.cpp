@@ -55,6 +55,16 @@ TEST_F(CaptureRun, GivesAWholeRecording) {
                                     "right_2_02.png"));
 }
 
+TEST_F(CaptureRun, NamesThatWouldBeOneAreTwoFiles) {
+  ScriptedCamera left_x("left_x", clock_, log_);
+  left_x.seed = 1000;
+  request_.plan.stops = {{{"x_1", {0}}, {0, 1}}, {{"1", {0.5}}, {0, 1}}};
+  const auto outcome = CaptureRecording({{&left_, &left_x}, &table_, &clock_}, request_, {}, {});
+  ASSERT_TRUE(outcome) << outcome.error().message;
+  EXPECT_THAT(Listed(), ElementsAre("left_x_1.png", "left_x_x_1.png", "left_1.png", "left_x_1~2.png"));
+  EXPECT_THAT(CheckRecording(request_.out, {})->faults, IsEmpty());
+}
+
 TEST_F(CaptureRun, WithoutRoomOnTheDiskNothingBegins) {
   const std::uintmax_t needed = 6 * kPicture_bytes + kReserve_bytes;
   request_.free_bytes = [&](const std::filesystem::path&) { return Result<std::uintmax_t>(needed - 1); };
@@ -97,6 +107,11 @@ TEST_F(CaptureRun, ResumingNeedsTheSameCameras) {
   ASSERT_FALSE(outcome);
   EXPECT_EQ(outcome.error().code, ErrorCode::kBadInput);
   EXPECT_THAT(outcome.error().message, HasSubstr("'middle'"));
+  request_.subject = Subject::kChart;
+  const auto other_subject = Run();
+  ASSERT_FALSE(other_subject);
+  EXPECT_THAT(other_subject.error().message,
+              HasSubstr("view 'left_00.png' of the recording shows the object, not the chart"));
   left_.linear = right_.linear = false;
   const auto other_kind = Run();
   ASSERT_FALSE(other_kind);

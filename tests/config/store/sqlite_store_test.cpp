@@ -269,6 +269,8 @@ TEST_F(SqliteStoreFile, ReadOnlyStateFolderIsNamed) {
   EXPECT_THAT(opened_without_rights(true, folder_.Path() / "new" / kStoreFile), named_as_unwritable);
   ASSERT_EQ(chmod(file_.c_str(), 0666), 0);
   EXPECT_THAT(opened_without_rights(false, file_), named_as_unwritable);
+  ASSERT_EQ(chmod(folder_.Path().c_str(), 0), 0);
+  EXPECT_THAT(opened_without_rights(false, file_), named_as_unwritable) << "it is not missing, it cannot be seen";
   ASSERT_EQ(chmod(folder_.Path().c_str(), 0755), 0);
 }
 

@@ -153,6 +153,24 @@ TEST_F(GrblDevice, AFeedHoldOfSomebodyElseEndsTheMove) {
   ExpectTrouble(GrblTrouble::kFeedHold, "feed hold");
 }
 
+TEST(GrblTroubles, TheReasonIsToldWhicheverCommandFindsIt) {
+  for (const GrblTrouble trouble : {GrblTrouble::kFeedHold, GrblTrouble::kDoor}) {
+    const char* why = trouble == GrblTrouble::kDoor ? "the safety door is open" : "feed hold";
+    for (const double after_s : {0.11, 0.21}) {  // found by a report, and by a jog that is refused
+      GrblPeer peer;
+      const auto device = std::move(*peer.Open());
+      ASSERT_TRUE(device->Home({}));
+      peer.With([&](GrblMachine& machine) {
+        machine.Faults().in_motion = trouble;
+        machine.Faults().in_motion_after_s = after_s;
+      });
+      const Result<RecordedStop> moved = device->MoveTo({"stop", peer.Place(1)}, {});
+      ASSERT_FALSE(moved);
+      EXPECT_THAT(moved.error().message, HasSubstr(why)) << after_s << " s";
+    }
+  }
+}
+
 TEST_F(GrblDevice, ABoardThatWasResetHasLostItsPosition) {
   ExpectTrouble(GrblTrouble::kPowerCut, "the controller was reset");
   EXPECT_FALSE(Go(0));
