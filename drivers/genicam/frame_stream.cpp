@@ -3,7 +3,14 @@
 #include <sys/socket.h>
 
 #include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <filesystem>
 #include <fstream>
+#include <set>
+#include <sstream>
+#include <string_view>
+#include <thread>
 #include <utility>
 
 #include "core/base/descriptor.h"
@@ -14,10 +21,13 @@ namespace {
 constexpr int kNumBuffers = 3;        ///< one being filled, one looked at, one for a frame that nobody asked for
 constexpr double kPacketRoom = 1.25;  ///< a frame's packets in a receive buffer, with the kernel's share of each
 constexpr std::int64_t kLeastBuffer_bytes = 1'000'000;  ///< where so much is to be had
-constexpr std::int64_t kSmallFrame_bytes = 200'000;     ///< fits into every kernel's default buffer
 constexpr double kSecond_us = 1e6;
-/// Resend is asked for at most for this share of a frame's packets; beyond, the frame is better taken again.
-constexpr double kMostResent = 0.25;
+/// Resend is asked for at most for so many times a frame's packets. Aravis asks three times for a lost one, and counts
+/// those that were only late.
+constexpr double kMostResent = 1;
+constexpr const char* kIpv4Protocol = "0800";  ///< as /proc/net/packet has it
+constexpr std::chrono::seconds kListens_s{5};  ///< its 32 MB are mapped within 0.1 s
+constexpr std::chrono::milliseconds kLook_ms{2};
 constexpr const char* kMostBufferFile = "/proc/sys/net/core/rmem_max";
 
 bool PacketSocketAllowed() {
@@ -28,6 +38,43 @@ std::int64_t MostReceiveBuffer() {
   std::int64_t bytes = 0;
   std::ifstream(kMostBufferFile) >> bytes;
   return bytes;
+}
+
+/// Inodes of this program's packet sockets that receive IPv4 packets.
+std::set<std::uint64_t> ListeningPacketSockets() {
+  std::set<std::uint64_t> listening;
+  std::ifstream table("/proc/net/packet");
+  std::string line;
+  std::getline(table, line);  // names of the columns
+  while (std::getline(table, line)) {
+    std::istringstream columns(line);
+    std::string socket_at, references, type, protocol, interface_index, running, memory, user;
+    std::uint64_t inode = 0;
+    columns >> socket_at >> references >> type >> protocol >> interface_index >> running >> memory >> user >> inode;
+    if (protocol == kIpv4Protocol) listening.insert(inode);
+  }
+  std::set<std::uint64_t> own;
+  std::error_code none;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", none)) {
+    const std::string target = std::filesystem::read_symlink(entry.path(), none).string();
+    constexpr std::string_view kSocket = "socket:[";
+    std::uint64_t inode = 0;
+    if (!target.starts_with(kSocket)) continue;
+    std::from_chars(target.data() + kSocket.size(), target.data() + target.size(), inode);
+    if (listening.contains(inode)) own.insert(inode);
+  }
+  return own;
+}
+
+/// Aravis says that its thread has begun before that has a socket; what a camera sends until then is lost. Whether one
+/// more listens, in time.
+bool AwaitMoreThan(const std::set<std::uint64_t>& before) {
+  const auto end = std::chrono::steady_clock::now() + kListens_s;
+  while (std::ranges::includes(before, ListeningPacketSockets())) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(kLook_ms);
+  }
+  return true;
 }
 
 /// A frame's flaw; empty: none.
@@ -51,16 +98,16 @@ std::string FlawOf(ArvBuffer* buffer) {
 }  // namespace
 
 ReceivePath ChooseReceivePath(std::size_t payload_bytes, const GenicamOptions& options) {
-  if (options.packet_socket && PacketSocketAllowed()) return {.packet_socket = true};
   const auto frame_bytes = static_cast<std::int64_t>(kPacketRoom * static_cast<double>(payload_bytes));
   const std::int64_t wanted_bytes = std::max(kLeastBuffer_bytes, frame_bytes);
   const std::int64_t most_bytes = options.most_receive_buffer_bytes.value_or(MostReceiveBuffer());
   ReceivePath path{.buffer_bytes = std::min(wanted_bytes, most_bytes)};
-  if (frame_bytes <= std::max(most_bytes, kSmallFrame_bytes)) return path;
+  if (frame_bytes <= most_bytes) return path;
+  path.packet_socket = options.packet_socket && PacketSocketAllowed();
+  if (path.packet_socket) return path;
   path.warning = fmt::format(
-      "pictures of {} bytes may come incomplete: this program may not open a packet socket (CAP_NET_RAW), and a "
-      "receive "
-      "buffer is at most {} bytes; allow one of them, the second with: sysctl -w net.core.rmem_max={}",
+      "pictures of {} bytes may come incomplete: a receive buffer is at most {} bytes, and this program may not open a "
+      "packet socket (CAP_NET_RAW); allow one of them, the first with: sysctl -w net.core.rmem_max={}",
       payload_bytes, most_bytes, wanted_bytes);
   return path;
 }
@@ -72,6 +119,7 @@ Result<std::unique_ptr<FrameStream>> FrameStream::Start(ArvCamera* camera, std::
     arv_camera_gv_set_stream_options(
         camera, path.packet_socket ? ARV_GV_STREAM_OPTION_NONE : ARV_GV_STREAM_OPTION_PACKET_SOCKET_DISABLED);
   }
+  const std::set<std::uint64_t> before = ListeningPacketSockets();
   GLibError error;
   GObjectPointer<ArvStream> stream(arv_camera_create_stream(camera, nullptr, nullptr, error.Take()));
   if (!stream) return Fail(ErrorCode::kDevice, "no stream of pictures can be made: {}", error.Text());
@@ -85,6 +133,10 @@ Result<std::unique_ptr<FrameStream>> FrameStream::Start(ArvCamera* camera, std::
     }
   }
   for (int i = 0; i < kNumBuffers; ++i) arv_stream_push_buffer(stream.get(), arv_buffer_new_allocate(payload_bytes));
+  if (path.packet_socket && !AwaitMoreThan(before)) {
+    return Fail(ErrorCode::kDevice, "no packet socket listens within {} s of asking Aravis for one",
+                kListens_s.count());
+  }
   return std::unique_ptr<FrameStream>(new FrameStream(std::move(stream)));
 }
 

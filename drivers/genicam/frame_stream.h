@@ -15,8 +15,8 @@ namespace rigcal {
 
 /// How pictures get from the network into the program.
 struct ReceivePath {
-  bool packet_socket = false;     ///< from the interface itself: needs CAP_NET_RAW, loses nothing
-  std::int64_t buffer_bytes = 0;  ///< otherwise: the socket's receive buffer
+  std::int64_t buffer_bytes = 0;  ///< of the socket; the kernel gives at most net.core.rmem_max
+  bool packet_socket = false;     ///< instead, from the interface itself: needs CAP_NET_RAW
   /// What is wrong with it and what to do, a sentence without a subject; empty: nothing.
   std::string warning;
 };

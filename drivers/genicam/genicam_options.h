@@ -15,12 +15,13 @@ struct GenicamOptions {
   /// How long a camera may be held by a program of this machine that is gone: GigE Vision's usual heartbeat of 3 s, and
   /// some.
   double abandoned_s = 4;
-  /// A packet that is so late is asked for again.
-  double packet_timeout_s = 0.02;
-  /// A frame of which nothing has come for so long is closed: several rounds of asking again, and a machine that is
-  /// busy with something else.
+  /// A pause after which what is left of a frame is asked for again. A sender on a busy machine may well rest for 20
+  /// ms, Aravis' own value; then much comes twice. Packets that are overtaken by others are asked for at once.
+  double packet_timeout_s = 0.1;
+  /// A frame of which nothing has come for so long is closed: several rounds of asking again.
   double frame_retention_s = 0.5;
-  /// Pictures are taken from the network interface itself where the program may (CAP_NET_RAW).
+  /// Where no receive buffer can hold a picture, pictures are taken from the network interface itself, if the program
+  /// may (CAP_NET_RAW).
   bool packet_socket = true;
   /// Largest receive buffer of a socket; absent: what net.core.rmem_max says.
   std::optional<std::int64_t> most_receive_buffer_bytes;

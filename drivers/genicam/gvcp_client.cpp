@@ -131,33 +131,40 @@ void Send(const Line& line, const Question& question) {
          reinterpret_cast<const sockaddr*>(&line.to), sizeof line.to);  // what fails is asked again
 }
 
+using Hear = std::function<bool(std::uint16_t status, const Bytes& payload)>;
+
+/// Hands what has come along a line to `hear`; whether that was enough.
+bool HearFrom(const Line& line, const Question& question, const Hear& hear) {
+  while (true) {
+    Bytes datagram(kMostDatagram_bytes);
+    const ssize_t count = recv(line.socket.Number(), datagram.data(), datagram.size(), 0);
+    if (count < static_cast<ssize_t>(kHeader_bytes)) return false;
+    datagram.resize(static_cast<std::size_t>(count));
+    const bool ours = Get(datagram, 2, 2) == question.command + 1u && Get(datagram, 6, 2) == question.id;
+    const auto status = static_cast<std::uint16_t>(Get(datagram, 0, 2));
+    datagram.erase(datagram.begin(), datagram.begin() + kHeader_bytes);
+    if (ours && hear(status, datagram)) return true;
+  }
+}
+
 /// Asks along all lines, again and again until `hear` has heard enough of the answers (status and payload) or wait_s
 /// are over. Errors: kCancelled.
-Result<void> Inquire(const std::vector<Line>& lines, const Question& question, double wait_s,
-                     const std::function<bool(std::uint16_t status, const Bytes& payload)>& hear, Clock& clock,
-                     const std::stop_token& stop) {
+Result<void> Inquire(const std::vector<Line>& lines, const Question& question, double wait_s, const Hear& hear,
+                     Clock& clock, const std::stop_token& stop) {
   const double end_s = clock.NowS() + wait_s;
   double ask_s = clock.NowS();
   std::vector<pollfd> waited;
   for (const Line& line : lines) waited.push_back({.fd = line.socket.Number(), .events = POLLIN, .revents = 0});
-  while (clock.NowS() < end_s) {
+  for (bool last = false; !last;) {
     if (stop.stop_requested()) return Fail(ErrorCode::kCancelled, "looking for cameras was stopped on request");
-    if (clock.NowS() >= ask_s) {
+    last = clock.NowS() >= end_s;  // what came while this program was held up counts
+    if (!last && clock.NowS() >= ask_s) {
       for (const Line& line : lines) Send(line, question);
-      ask_s += kRepeat_s;
+      ask_s = clock.NowS() + kRepeat_s;
     }
-    poll(waited.data(), waited.size(), kSlice_ms);
+    poll(waited.data(), waited.size(), last ? 0 : kSlice_ms);
     for (const Line& line : lines) {
-      while (true) {
-        Bytes datagram(kMostDatagram_bytes);
-        const ssize_t count = recv(line.socket.Number(), datagram.data(), datagram.size(), 0);
-        if (count < static_cast<ssize_t>(kHeader_bytes)) break;
-        datagram.resize(static_cast<std::size_t>(count));
-        const bool ours = Get(datagram, 2, 2) == question.command + 1u && Get(datagram, 6, 2) == question.id;
-        const auto status = static_cast<std::uint16_t>(Get(datagram, 0, 2));
-        datagram.erase(datagram.begin(), datagram.begin() + kHeader_bytes);
-        if (ours && hear(status, datagram)) return {};
-      }
+      if (HearFrom(line, question, hear)) return {};
     }
   }
   return {};

@@ -44,7 +44,7 @@ GigeCamera::GigeCamera(const GigeCameraSpec& spec, const GigeEndpoint& stream_so
   set(bootstrap::kCapabilities,
       bootstrap::kCanConcatenate | bootstrap::kCanWriteMemory | (can_resend ? bootstrap::kCanResend : 0));
   set(bootstrap::kHeartbeat_ms, kDefaultHeartbeat_ms);
-  set(bootstrap::kTickFrequencyLow, kTicksPerSecond);
+  set(bootstrap::kTickFrequencyLow, spec.has_clock ? kTicksPerSecond : 0);
   set(bootstrap::kStreamPacket, kDefaultPacket_bytes);
   set(bootstrap::kStreamSourcePort, stream_source.port);
   set(own::kSensorWidth, spec.width_px);

@@ -22,6 +22,7 @@ struct GigeCameraSpec {
   std::string serial = "SIM1", model = "Studio", firmware = "1.0";
   int width_px = 640, height_px = 480;  ///< of the sensor; multiples of limits.region_step_px
   double temperature_celsius = 41.5, gamma = 1;
+  bool has_clock = true;  ///< for its pictures' times; without, it says that it has none
   GigeLimits limits;
 };
 

@@ -6,6 +6,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
@@ -233,15 +234,17 @@ void GigeDevice::SendTestPacket() {
 
 void GigeDevice::SendAgain(const GigeResend& wanted) {
   if (!options_.can_resend) return;
-  for (const auto& frame : history_) {
-    if (frame->Number() != wanted.frame) continue;
-    const std::uint32_t end = std::min(wanted.last + 1, frame->NumPackets() - (faults_.truncated ? 2 : 0));
-    Bytes packet;
-    for (std::uint32_t p = wanted.first; p < end; ++p) {
-      frame->Write(p, true, packet);
-      SendPacket(packet);
-      ++counts_.resent;
-    }
+  // The newest with that number: each start of the acquisition counts anew.
+  const auto found = std::ranges::find(history_.rbegin(), history_.rend(), wanted.frame,
+                                       [](const auto& frame) { return frame->Number(); });
+  if (found == history_.rend()) return;
+  const GigeFrame& frame = **found;
+  const std::uint32_t end = std::min(wanted.last + 1, frame.NumPackets() - (faults_.truncated ? 2 : 0));
+  Bytes packet;
+  for (std::uint32_t p = wanted.first; p < end; ++p) {
+    frame.Write(p, true, packet);
+    SendPacket(packet);
+    ++counts_.resent;
   }
 }
 

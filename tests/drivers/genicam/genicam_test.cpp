@@ -283,7 +283,9 @@ TEST_F(GenicamDevice, AGammaIsNotLinear) {
 
 TEST_F(GenicamDevice, PacketsAreAsLargeAsTheyGetThrough) {
   peer_->Fault([](auto& faults) { faults.path_packet_bytes = 4000; });
-  Open();
+  CameraSettings negotiated = peer_->Settings();
+  negotiated.packet_bytes.reset();
+  Open(negotiated);
   EXPECT_LE(peer_->Device().Packet_bytes(), 4000);
   EXPECT_GT(peer_->Device().Packet_bytes(), 1500);
   ExpectTaken(0);
@@ -313,6 +315,23 @@ TEST_F(GenicamDevice, APictureThatTheCameraHeldBackIsNotTheNextOne) {
   ASSERT_TRUE(picture) << picture.error().message;
   EXPECT_TRUE(Same(picture->pixels, peer_->Expected(2)));
   EXPECT_EQ(peer_->Device().Counts().frames, before + 2) << "the picture that was held back never came";
+}
+
+TEST_F(GenicamDevice, WithoutAClockNothingIsMistakenEither) {
+  Start({.camera = {.has_clock = false}});
+  Open();
+  ASSERT_TRUE(camera_);
+  ExpectTaken(0);
+  peer_->Arrange(1);
+  ASSERT_TRUE(camera_->MakeReady({}));
+  ASSERT_TRUE(camera_->Fire());
+  ASSERT_TRUE(peer_->Await([](const auto& counts) { return counts.shots == 2; }));
+  ExpectTaken(2);  // the picture that was given up is not this one
+  peer_->Arrange(3);
+  ASSERT_TRUE(camera_->MakeReady({}));
+  ASSERT_TRUE(camera_->Fire());
+  ASSERT_TRUE(camera_->MakeReady({}));
+  EXPECT_FALSE(camera_->Collect(0.3, {})) << "nobody has fired";
 }
 
 TEST_F(GenicamDevice, AStreamThatGivesNothingIsBegunAnew) {
@@ -345,11 +364,23 @@ TEST_F(GenicamDevice, ALineTriggersIt) {
   EXPECT_TRUE(Same(picture->pixels, peer_->Expected(2)));
 }
 
-TEST_F(GenicamDevice, APlainSocketTakesPicturesToo) {
+TEST_F(GenicamDevice, APacketSocketTakesPicturesWhereNoBufferHoldsOne) {
+  peer_->Options().most_receive_buffer_bytes = 1000;
+  for (int shot = 0; shot < 3; ++shot) {
+    Open();  // the first picture after opening is the one that could be missed
+    if (!peer_->Told().empty()) GTEST_SKIP() << peer_->Told().front();  // this user may not open a packet socket
+    ExpectTaken(shot);
+    camera_.reset();
+  }
+}
+
+TEST_F(GenicamDevice, WhatPicturesNeedToArriveIsTold) {
+  peer_->Options().most_receive_buffer_bytes = 1000;
   peer_->Options().packet_socket = false;
   Open();
-  EXPECT_TRUE(peer_->Told().empty()) << peer_->Told().front();
-  for (int shot = 0; shot < 3; ++shot) ExpectTaken(shot);
+  ASSERT_EQ(peer_->Told().size(), 1);
+  EXPECT_THAT(peer_->Told().front(), HasSubstr("camera 'left': pictures of 76800 bytes may come incomplete"));
+  EXPECT_THAT(peer_->Told().front(), HasSubstr("sysctl -w net.core.rmem_max=1000000"));
 }
 
 /// Descriptors and threads of this program.
@@ -369,9 +400,11 @@ TEST_F(GenicamDevice, ClosedItLeavesNothingBehind) {
   once();  // what the libraries keep for themselves
   const auto before = Held();
   for (int i = 0; i < 5; ++i) once();
+  const auto more = [&] { return Held().first > before.first || Held().second > before.second; };
   const double end_s = peer_->Time().NowS() + GigePeer::kHang_s;  // a thread that has ended stays listed for a moment
-  while (Held() != before && peer_->Time().NowS() < end_s) peer_->Time().Wait(0.01, {});
-  EXPECT_EQ(Held(), before);
+  while (more() && peer_->Time().NowS() < end_s) peer_->Time().Wait(0.01, {});
+  EXPECT_LE(Held().first, before.first) << "descriptors";
+  EXPECT_LE(Held().second, before.second) << "threads";
 }
 
 }  // namespace

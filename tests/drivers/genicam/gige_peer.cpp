@@ -1,5 +1,8 @@
 #include "tests/drivers/genicam/gige_peer.h"
 
+#include <fmt/format.h>
+#include <unistd.h>
+
 #include <cstdlib>
 #include <iostream>
 #include <utility>
@@ -9,12 +12,14 @@
 namespace rigcal {
 namespace {
 
-constexpr const char* kSerial = "SIM-GIGE-1";
+constexpr int kPacket_bytes = 4000;  ///< configured: negotiating takes longer than all the rest of opening
 constexpr double kPoll_s = 0.002;
+constexpr double kAnswer_s = 2;     ///< the camera's thread may be held up as well
 constexpr double kRetention_s = 1;  ///< small frames come within milliseconds; a busy machine may hold them up
 
 sim::GigeDeviceOptions Small(sim::GigeDeviceOptions options) {
-  options.camera.serial = kSerial;
+  // Searches of another test program that runs at once must not find it.
+  options.camera.serial = fmt::format("SIM-{}", getpid());
   options.camera.width_px = GigePeer::kWidth_px;
   options.camera.height_px = GigePeer::kHeight_px;
   return options;
@@ -38,6 +43,7 @@ std::unique_ptr<GigePeer> GigePeer::Start(sim::GigeDeviceOptions options) {
 }
 
 GigePeer::GigePeer() {
+  options_.answer_s = kAnswer_s;
   options_.frame_retention_s = kRetention_s;
   options_.abandoned_s = 0;  // who holds the camera here will not let it go
   options_.reach = GigeReach::kThisMachine;
@@ -84,7 +90,11 @@ std::stop_token GigePeer::StopAfter(double seconds) {
 }
 
 CameraSettings GigePeer::Settings() {
-  return {.id = "left", .driver = "genicam", .serial = kSerial, .address = device_->Address()};
+  return {.id = "left",
+          .driver = "genicam",
+          .serial = device_->Serial(),
+          .address = device_->Address(),
+          .packet_bytes = kPacket_bytes};
 }
 
 Result<std::unique_ptr<CameraDevice>> GigePeer::Open(const CameraSettings& settings) {
