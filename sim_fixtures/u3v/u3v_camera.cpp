@@ -262,14 +262,12 @@ std::optional<std::size_t> U3vCamera::Give(std::uint8_t endpoint, std::span<std:
     phase_ = Phase::kPayload;
     return give(Leader());
   }
-  if (phase_ == Phase::kPayload) {
-    if (faults_.stalls_after_bytes && sent_bytes_ >= *faults_.stalls_after_bytes) {
-      stalled_ = true;
-      changed_.notify_all();
-      return std::nullopt;
-    }
-    return GivePayload(room);
+  if (faults_.stalls_after_bytes && sent_bytes_ >= *faults_.stalls_after_bytes) {
+    stalled_ = true;
+    changed_.notify_all();
+    return std::nullopt;
   }
+  if (phase_ == Phase::kPayload) return GivePayload(room);
   const std::size_t count = give(Trailer());
   shots_.pop_front();
   phase_ = Phase::kLeader;

@@ -35,7 +35,7 @@ struct U3vFaults {
   bool silent = false;                            ///< takes triggers, sends no pictures
   bool truncated = false;                         ///< leaves out the last bytes of each picture
   bool held = false;                              ///< another program has it
-  std::optional<std::size_t> stalls_after_bytes;  ///< goes no further with a picture, see AwaitStalled
+  std::optional<std::size_t> stalls_after_bytes;  ///< of a picture, goes no further with it (AwaitStalled)
 };
 
 /// A simulated USB3 Vision camera: GenCP registers, and pictures as leader, payload and trailer, each after a software
