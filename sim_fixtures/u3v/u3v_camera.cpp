@@ -64,9 +64,9 @@ bool U3vCamera::AwaitStalled(double timeout_s) {
   return changed_.wait_for(lock, std::chrono::duration<double>(timeout_s), [&] { return stalled_; });
 }
 
-std::uint64_t U3vCamera::NumShots() const {
-  const std::lock_guard lock(mutex_);
-  return num_shots_;
+bool U3vCamera::AwaitShots(std::uint64_t count, double timeout_s) {
+  std::unique_lock lock(mutex_);
+  return changed_.wait_for(lock, std::chrono::duration<double>(timeout_s), [&] { return num_shots_ >= count; });
 }
 
 void U3vCamera::PutText(std::size_t address, const std::string& text) {
@@ -192,6 +192,7 @@ void U3vCamera::Shoot() {
     return;
   }
   ++num_shots_;
+  changed_.notify_all();
   const std::uint64_t number = next_number_++;
   if (faults_.silent) return;
   shots_.push_back({.number = number,

@@ -49,7 +49,8 @@ class U3vCamera final : public UsbFunction {
   void Set(const U3vFaults& faults);
   /// Waits until it has stalled in the middle of a picture; false when that has not happened within timeout_s.
   bool AwaitStalled(double timeout_s);
-  [[nodiscard]] std::uint64_t NumShots() const;
+  /// Waits until it was triggered so often since it was made; false when that has not happened within timeout_s.
+  bool AwaitShots(std::uint64_t count, double timeout_s);
 
   void PowerOn() override;
   [[nodiscard]] bool MayBeClaimed() const override;
