@@ -165,7 +165,7 @@ constexpr std::array kCameraKeys = {
     Name("id", kRequired, "its name in recordings and calibrations"),
     Word("driver", kCameraDrivers, kRequired, "what rigcal opens it with"),
     Text("serial", "found by its address", "serial number, in quotes; genicam needs it or an address"),
-    Text("address", "found by its serial number", "IPv4 address of a GigE Vision camera"),
+    Text("address", "found by its serial number", "IPv4 address, or port path of a USB camera (\"1-2.3\")"),
     Word("pixel_format", kPixelFormats, "\"Mono8\"", "GenICam's name of it"),
     Word("trigger", kTriggers, "\"software\"", "whether rigcal fires it, or a line from the positioner"),
     Number("exposure_us", kMicroseconds, {1, 6e7}, "as the camera has it", "exposure time"),

@@ -133,11 +133,11 @@ Result<std::unique_ptr<FrameStream>> FrameStream::Start(ArvCamera* camera, std::
     }
   }
   for (int i = 0; i < kNumBuffers; ++i) arv_stream_push_buffer(stream.get(), arv_buffer_new_allocate(payload_bytes));
-  if (path.packet_socket && !AwaitMoreThan(before)) {
+  if (network && path.packet_socket && !AwaitMoreThan(before)) {
     return Fail(ErrorCode::kDevice, "no packet socket listens within {} s of asking Aravis for one",
                 kListens_s.count());
   }
-  return std::unique_ptr<FrameStream>(new FrameStream(std::move(stream)));
+  return std::unique_ptr<FrameStream>(new FrameStream(std::move(stream), network));
 }
 
 FrameStream::~FrameStream() {
@@ -166,8 +166,8 @@ std::optional<ReceivedFrame> FrameStream::Next(double wait_s) {
   return frame;
 }
 
-std::uint64_t FrameStream::NumPackets() const {
-  return arv_stream_get_info_uint64_by_name(stream_.get(), "n_received_packets");
+std::uint64_t FrameStream::NumReceived() const {
+  return arv_stream_get_info_uint64_by_name(stream_.get(), network_ ? "n_received_packets" : "n_transferred_bytes");
 }
 
 }  // namespace rigcal

@@ -21,7 +21,7 @@ struct ReceivePath {
   std::string warning;
 };
 
-/// The best path there is for frames of this size.
+/// The best path from a network that there is for frames of this size.
 ReceivePath ChooseReceivePath(std::size_t payload_bytes, const GenicamOptions& options);
 
 /// A frame as it came. Its bytes are valid until the next one is asked for.
@@ -45,14 +45,15 @@ class FrameStream {
   /// The next frame, complete or given up; nothing when none came within wait_s of real time.
   std::optional<ReceivedFrame> Next(double wait_s);
 
-  /// Packets that have come since it began.
-  [[nodiscard]] std::uint64_t NumPackets() const;
+  /// What has come since it began: packets, of a USB camera bytes.
+  [[nodiscard]] std::uint64_t NumReceived() const;
 
  private:
-  explicit FrameStream(GObjectPointer<ArvStream> stream) : stream_(std::move(stream)) {}
+  FrameStream(GObjectPointer<ArvStream> stream, bool network) : stream_(std::move(stream)), network_(network) {}
   void GiveBack();
 
   GObjectPointer<ArvStream> stream_;
+  bool network_;
   ArvBuffer* lent_ = nullptr;  ///< the last frame's
 };
 

@@ -63,8 +63,9 @@ Result<void> GenicamCamera::Connect(const std::stop_token& stop) {
   }
   link_ = std::move(*link);
   facts_ = *facts;
-  path_ = ChooseReceivePath(facts_.payload_bytes, options_);
-  const GigeAnswer& announced = link_->Announced();
+  const bool network = arv_camera_is_gv_device(link_->Camera()) != FALSE;
+  path_ = network ? ChooseReceivePath(facts_.payload_bytes, options_) : ReceivePath{};
+  const AnnouncedCamera& announced = link_->Announced();
   GLibError error;
   identity_ = {.id = settings_.id,
                .width_px = facts_.width_px,
@@ -79,7 +80,7 @@ Result<void> GenicamCamera::Connect(const std::stop_token& stop) {
 }
 
 void GenicamCamera::Disconnect() {
-  if (link_ && !link_->Answers({})) {
+  if (link_ && link_->ClosesLate()) {
     // Aravis waits several times 3 s for answers that do not come. Nobody else shall; it touches nothing of this
     // object.
     std::thread([stream = std::move(stream_), link = std::move(link_)]() mutable {
@@ -115,10 +116,10 @@ Result<void> GenicamCamera::RestartStream(const std::stop_token& stop) {
   const double quiet_s = kQuiet_s + settings_.exposure_us.value_or(0) / kSecond_us;
   const double begin_s = clock_.NowS();
   double silent_since_s = begin_s;
-  std::uint64_t num_packets = stream_->NumPackets();
+  std::uint64_t num_received = stream_->NumReceived();
   while (clock_.NowS() - silent_since_s < quiet_s && clock_.NowS() - begin_s < kLongestQuietWait_s + quiet_s) {
     if (!clock_.Wait(kSlice_s, stop)) return Stopped("making it ready");
-    if (std::exchange(num_packets, stream_->NumPackets()) != stream_->NumPackets()) silent_since_s = clock_.NowS();
+    if (std::exchange(num_received, stream_->NumReceived()) != stream_->NumReceived()) silent_since_s = clock_.NowS();
   }
   stream_.reset();
   return StartStream();

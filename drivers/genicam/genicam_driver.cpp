@@ -1,7 +1,11 @@
 #include "drivers/genicam/genicam_driver.h"
 
+#include <algorithm>
+#include <iterator>
+
 #include "core/base/ensure.h"
 #include "drivers/genicam/genicam_camera.h"
+#include "drivers/usb/find_usb_cameras.h"
 
 namespace rigcal {
 namespace {
@@ -78,7 +82,11 @@ Result<std::vector<FoundDevice>> FindGenicamDevices(GigeReach reach, Clock& cloc
 }
 
 Result<std::vector<FoundDevice>> FindGenicamDevices(Clock& clock, const std::stop_token& stop) {
-  return FindGenicamDevices(GigeReach::kAllInterfaces, clock, stop);
+  Result<std::vector<FoundDevice>> devices = FindGenicamDevices(GigeReach::kAllInterfaces, clock, stop);
+  Result<std::vector<FoundDevice>> at_usb = FindUsbCameras(clock, stop);
+  if (!devices || !at_usb) return devices ? at_usb : devices;
+  std::ranges::move(*at_usb, std::back_inserter(*devices));
+  return devices;
 }
 
 }  // namespace rigcal

@@ -9,15 +9,17 @@
 
 namespace rigcal {
 
-/// GenICam cameras on a network (GigE Vision), through Aravis (README.md). It moves nothing. Errors: none of its own.
+/// GenICam cameras on a network (GigE Vision) and at USB (USB3 Vision), through Aravis (README.md). It moves nothing.
+/// Errors: none of its own.
 Result<std::unique_ptr<Driver>> MakeGenicamDriver(const RigHardware& rig, const DriverContext& context,
                                                   const std::stop_token& stop);
 /// The same with other waits.
 std::unique_ptr<Driver> MakeGenicamDriver(const GenicamOptions& options, const DriverContext& context);
 
-/// Every GigE Vision camera that answers, and who controls it. Errors: see FindDevicesOfDriver.
+/// Every GigE Vision camera that answers, and who controls it; every USB3 Vision camera that is plugged in. Errors: see
+/// FindDevicesOfDriver.
 Result<std::vector<FoundDevice>> FindGenicamDevices(Clock& clock, const std::stop_token& stop);
-/// The same within reach.
+/// The GigE Vision cameras alone, within reach.
 Result<std::vector<FoundDevice>> FindGenicamDevices(GigeReach reach, Clock& clock, const std::stop_token& stop);
 
 }  // namespace rigcal

@@ -69,7 +69,7 @@ Result<void> CheckUsbBeforeAravis(const std::string& serial) {
   if (serial.empty()) return {};
   for (const UsbDevice& device : ReadUsbDevices()) {
     const UsbDescriptorCheck check = CheckUsbDescriptors(device.descriptors);
-    if (device.serial == serial && check.says_usb3_vision && !check.flaw.empty()) {
+    if (Trimmed(device.serial) == serial && check.says_usb3_vision && !check.flaw.empty()) {
       return Fail(ErrorCode::kDevice,
                   "USB: the camera with the serial number '{}' at port {} has malformed descriptors: {}", serial,
                   device.port_path, check.flaw);

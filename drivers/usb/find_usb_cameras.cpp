@@ -33,14 +33,15 @@ std::string ProblemsOf(const UsbDevice& device, const UsbDescriptorCheck& check)
 std::optional<FoundDevice> UsbCameraRow(const UsbDevice& device) {
   const UsbDescriptorCheck check = CheckUsbDescriptors(device.descriptors);
   if (!check.says_usb3_vision) return std::nullopt;
-  return FoundDevice{.driver = "genicam",
-                     .kind = DeviceKind::kCamera,
-                     .address = device.port_path,
-                     .serial = device.serial,
-                     .model = device.vendor.empty() ? device.model : device.vendor + " " + device.model,
-                     .firmware = device.firmware,
-                     .state = device.held ? "held by a program on this machine" : "free",
-                     .problem = ProblemsOf(device, check)};
+  return FoundDevice{
+      .driver = "genicam",
+      .kind = DeviceKind::kCamera,
+      .address = device.port_path,
+      .serial = Trimmed(device.serial),
+      .model = Trimmed(device.vendor.empty() ? device.model : Trimmed(device.vendor) + " " + device.model),
+      .firmware = device.firmware,
+      .state = device.held ? "held by a program on this machine" : "free",
+      .problem = ProblemsOf(device, check)};
 }
 
 Result<std::vector<FoundDevice>> FindUsbCameras(Clock& /*clock*/, const std::stop_token& stop) {

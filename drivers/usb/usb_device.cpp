@@ -23,12 +23,17 @@ std::string Contents(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// Its first line, without the spaces that some devices fill their texts with.
+/// Its first line; UTF-8 becomes ASCII as libusb makes it from UTF-16, one '?' for each of its two bytes.
 std::string Line(const fs::path& path) {
-  std::string text = Contents(path);
-  text.erase(std::min(text.find('\n'), text.size()));
-  text.erase(text.find_last_not_of(' ') + 1);
-  return text;
+  constexpr unsigned char kAsciiEnd = 0x80, kLeadBegin = 0xC0, kFourByteLeadBegin = 0xF0;
+  std::string line;
+  for (const char letter : Contents(path)) {
+    const auto byte = static_cast<unsigned char>(letter);
+    if (letter == '\n') break;
+    if (byte < kAsciiEnd) line += letter;
+    if (byte >= kLeadBegin) line += byte >= kFourByteLeadBegin ? "??" : "?";
+  }
+  return line;
 }
 
 template <typename Number>
@@ -81,6 +86,11 @@ std::vector<UsbDevice> ReadUsbDevices(const std::string& folder) {
   }
   std::ranges::sort(devices, {}, &UsbDevice::port_path);
   return devices;
+}
+
+std::string Trimmed(std::string text) {
+  text.erase(text.find_last_not_of(' ') + 1);
+  return text;
 }
 
 }  // namespace rigcal

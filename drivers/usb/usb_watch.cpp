@@ -51,8 +51,8 @@ void UsbWatch::Note(bool arrived, const std::string& port_path) {
   if (arrived) {
     const std::optional<UsbDevice> device = ReadUsbDevice(port_path);
     if (!device || !CheckUsbDescriptors(device->descriptors).says_usb3_vision) return;
-    serials_[port_path] = device->serial;
-    events_.push_back({.arrived = true, .port_path = port_path, .serial = device->serial});
+    const std::string& serial = serials_[port_path] = Trimmed(device->serial);
+    events_.push_back({.arrived = true, .port_path = port_path, .serial = serial});
   } else if (const auto known = serials_.extract(port_path)) {
     events_.push_back({.arrived = false, .port_path = port_path, .serial = known.mapped()});
   }

@@ -64,9 +64,9 @@ bool U3vCamera::AwaitStalled(double timeout_s) {
   return changed_.wait_for(lock, std::chrono::duration<double>(timeout_s), [&] { return stalled_; });
 }
 
-std::uint64_t U3vCamera::NumShots() const {
-  const std::lock_guard lock(mutex_);
-  return num_shots_;
+bool U3vCamera::AwaitShots(std::uint64_t count, double timeout_s) {
+  std::unique_lock lock(mutex_);
+  return changed_.wait_for(lock, std::chrono::duration<double>(timeout_s), [&] { return num_shots_ >= count; });
 }
 
 void U3vCamera::PutText(std::size_t address, const std::string& text) {
@@ -192,6 +192,7 @@ void U3vCamera::Shoot() {
     return;
   }
   ++num_shots_;
+  changed_.notify_all();
   const std::uint64_t number = next_number_++;
   if (faults_.silent) return;
   shots_.push_back({.number = number,
@@ -262,14 +263,12 @@ std::optional<std::size_t> U3vCamera::Give(std::uint8_t endpoint, std::span<std:
     phase_ = Phase::kPayload;
     return give(Leader());
   }
-  if (phase_ == Phase::kPayload) {
-    if (faults_.stalls_after_bytes && sent_bytes_ >= *faults_.stalls_after_bytes) {
-      stalled_ = true;
-      changed_.notify_all();
-      return std::nullopt;
-    }
-    return GivePayload(room);
+  if (faults_.stalls_after_bytes && sent_bytes_ >= *faults_.stalls_after_bytes) {
+    stalled_ = true;
+    changed_.notify_all();
+    return std::nullopt;
   }
+  if (phase_ == Phase::kPayload) return GivePayload(room);
   const std::size_t count = give(Trailer());
   shots_.pop_front();
   phase_ = Phase::kLeader;

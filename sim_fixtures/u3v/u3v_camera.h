@@ -35,7 +35,7 @@ struct U3vFaults {
   bool silent = false;                            ///< takes triggers, sends no pictures
   bool truncated = false;                         ///< leaves out the last bytes of each picture
   bool held = false;                              ///< another program has it
-  std::optional<std::size_t> stalls_after_bytes;  ///< goes no further with a picture, see AwaitStalled
+  std::optional<std::size_t> stalls_after_bytes;  ///< of a picture, goes no further with it (AwaitStalled)
 };
 
 /// A simulated USB3 Vision camera: GenCP registers, and pictures as leader, payload and trailer, each after a software
@@ -49,7 +49,8 @@ class U3vCamera final : public UsbFunction {
   void Set(const U3vFaults& faults);
   /// Waits until it has stalled in the middle of a picture; false when that has not happened within timeout_s.
   bool AwaitStalled(double timeout_s);
-  [[nodiscard]] std::uint64_t NumShots() const;
+  /// Waits until it was triggered so often since it was made; false when that has not happened within timeout_s.
+  bool AwaitShots(std::uint64_t count, double timeout_s);
 
   void PowerOn() override;
   [[nodiscard]] bool MayBeClaimed() const override;

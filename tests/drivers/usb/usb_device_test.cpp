@@ -28,9 +28,9 @@ class UsbDeviceFolder : public ::testing::Test {
   void PutDevice(const std::string& port_path, const std::string& speed, const std::vector<std::uint8_t>& bytes) {
     Put(port_path + "/descriptors", {bytes.begin(), bytes.end()});
     Put(port_path + "/speed", speed + "\n");
-    Put(port_path + "/manufacturer", "Maker\n");
+    Put(port_path + "/manufacturer", "M\xC3\xA4ker\xF0\x9F\x93\xB7\n");
     Put(port_path + "/product", "Camera  \n");
-    Put(port_path + "/serial", "SN7\n");
+    Put(port_path + "/serial", "SN7 \n");
     Put(port_path + "/busnum", "1\n");
     Put(port_path + "/devnum", "12\n");
   }
@@ -47,7 +47,7 @@ TEST_F(UsbDeviceFolder, SaysWhatTheKernelKnows) {
   const std::vector<UsbDevice> devices = ReadUsbDevices(folder_.string());
   ASSERT_EQ(devices.size(), 1U);
   EXPECT_EQ(devices[0].port_path, "1-2.3");
-  EXPECT_EQ(devices[0].model, "Camera");
+  EXPECT_EQ(devices[0].model, "Camera  ");
   EXPECT_EQ(devices[0].firmware, "2.10");
   EXPECT_EQ(devices[0].node, "/dev/bus/usb/001/012");
   EXPECT_EQ(devices[0].speed_mbit_per_s, 5000);
@@ -59,7 +59,7 @@ TEST_F(UsbDeviceFolder, SaysWhatTheKernelKnows) {
   EXPECT_EQ(row->driver, "genicam");
   EXPECT_EQ(row->address, "1-2.3");
   EXPECT_EQ(row->serial, "SN7");
-  EXPECT_EQ(row->model, "Maker Camera");
+  EXPECT_EQ(row->model, "M?ker?? Camera");
   EXPECT_EQ(row->state, "free");
   EXPECT_EQ(row->problem, "");
 }
