@@ -89,4 +89,14 @@ Result<std::vector<FoundDevice>> FindGenicamDevices(Clock& clock, const std::sto
   return devices;
 }
 
+Result<std::optional<FoundDevice>> FindGenicamDeviceAt(const std::string& address, Clock& clock,
+                                                       const std::stop_token& stop) {
+  const Result<std::optional<GigeAnswer>> answer = AskGigeCamera(address, kAnswer_s, clock, stop);
+  if (!answer) return Fail(answer.error());
+  if (!*answer) return std::nullopt;
+  Result<FoundDevice> described = Describe(**answer, clock, stop);
+  if (!described) return Fail(described.error());
+  return std::move(*described);
+}
+
 }  // namespace rigcal

@@ -21,5 +21,9 @@ std::unique_ptr<Driver> MakeGenicamDriver(const GenicamOptions& options, const D
 Result<std::vector<FoundDevice>> FindGenicamDevices(Clock& clock, const std::stop_token& stop);
 /// The GigE Vision cameras alone, within reach.
 Result<std::vector<FoundDevice>> FindGenicamDevices(GigeReach reach, Clock& clock, const std::stop_token& stop);
+/// The camera at an IPv4 address, which may lie beyond a router, where nobody hears a broadcast; nothing where none
+/// answers. Errors: kCancelled, kBadInput (no address).
+Result<std::optional<FoundDevice>> FindGenicamDeviceAt(const std::string& address, Clock& clock,
+                                                       const std::stop_token& stop);
 
 }  // namespace rigcal

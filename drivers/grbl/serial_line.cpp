@@ -29,7 +29,7 @@ tl::unexpected<Error> CannotOpen(const std::string& path, int failure) {
   if (failure == EACCES) {
     return Fail(ErrorCode::kDevice, "grbl: {}: this user may not open it (group dialout may)", path);
   }
-  if (failure == EBUSY) return Fail(ErrorCode::kDevice, "grbl: {}: another program holds it", path);
+  if (failure == EBUSY) return Fail(ErrorCode::kDevice, "grbl: {}: {}", path, SerialLine::kHeld);
   return Fail(ErrorCode::kDevice, "grbl: {}: cannot be opened: {}", path, ReasonOf(failure));
 }
 

@@ -16,6 +16,7 @@ namespace rigcal {
 class SerialLine {
  public:
   static constexpr int kSlice_ms = 20;
+  static constexpr std::string_view kHeld = "another program holds it";  ///< the end of Open's message then
 
   SerialLine(SerialLine&&) = default;
   ~SerialLine();
