@@ -4,13 +4,11 @@
 
 #include <algorithm>
 #include <charconv>
-#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <set>
 #include <sstream>
 #include <string_view>
-#include <thread>
 #include <utility>
 
 #include "core/base/descriptor.h"
@@ -26,8 +24,8 @@ constexpr double kSecond_us = 1e6;
 /// those that were only late.
 constexpr double kMostResent = 1;
 constexpr const char* kIpv4Protocol = "0800";  ///< as /proc/net/packet has it
-constexpr std::chrono::seconds kListens_s{5};  ///< its 32 MB are mapped within 0.1 s
-constexpr std::chrono::milliseconds kLook_ms{2};
+constexpr double kListens_s = 5;               ///< its 32 MB are mapped within 0.1 s
+constexpr double kLook_s = 0.002;
 constexpr const char* kMostBufferFile = "/proc/sys/net/core/rmem_max";
 
 bool PacketSocketAllowed() {
@@ -66,15 +64,17 @@ std::set<std::uint64_t> ListeningPacketSockets() {
   return own;
 }
 
-/// Aravis says that its thread has begun before that has a socket; what a camera sends until then is lost. Whether one
-/// more listens, in time.
-bool AwaitMoreThan(const std::set<std::uint64_t>& before) {
-  const auto end = std::chrono::steady_clock::now() + kListens_s;
+/// Aravis says that its thread has begun before that has a socket; what a camera sends until then is lost. Waits until
+/// one more listens. Errors: kTimeout, kCancelled, without a subject.
+Result<void> AwaitMoreThan(const std::set<std::uint64_t>& before, Clock& clock, const std::stop_token& stop) {
+  const double end_s = clock.NowS() + kListens_s;
   while (std::ranges::includes(before, ListeningPacketSockets())) {
-    if (std::chrono::steady_clock::now() > end) return false;
-    std::this_thread::sleep_for(kLook_ms);
+    if (clock.NowS() > end_s) {
+      return Fail(ErrorCode::kTimeout, "no packet socket listens {} s after Aravis was asked for one", kListens_s);
+    }
+    if (!clock.Wait(kLook_s, stop)) return Fail(ErrorCode::kCancelled, "beginning its stream was stopped on request");
   }
-  return true;
+  return {};
 }
 
 /// A frame's flaw; empty: none.
@@ -113,7 +113,8 @@ ReceivePath ChooseReceivePath(std::size_t payload_bytes, const GenicamOptions& o
 }
 
 Result<std::unique_ptr<FrameStream>> FrameStream::Start(ArvCamera* camera, std::size_t payload_bytes,
-                                                        const ReceivePath& path, const GenicamOptions& options) {
+                                                        const ReceivePath& path, const GenicamOptions& options,
+                                                        Clock& clock, const std::stop_token& stop) {
   const bool network = arv_camera_is_gv_device(camera) != FALSE;
   if (network) {
     arv_camera_gv_set_stream_options(
@@ -133,9 +134,8 @@ Result<std::unique_ptr<FrameStream>> FrameStream::Start(ArvCamera* camera, std::
     }
   }
   for (int i = 0; i < kNumBuffers; ++i) arv_stream_push_buffer(stream.get(), arv_buffer_new_allocate(payload_bytes));
-  if (network && path.packet_socket && !AwaitMoreThan(before)) {
-    return Fail(ErrorCode::kDevice, "no packet socket listens within {} s of asking Aravis for one",
-                kListens_s.count());
+  if (network && path.packet_socket) {
+    if (Result<void> listens = AwaitMoreThan(before, clock, stop); !listens) return Fail(listens.error());
   }
   return std::unique_ptr<FrameStream>(new FrameStream(std::move(stream), network));
 }

@@ -4,8 +4,10 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string>
 
+#include "core/base/clock.h"
 #include "core/base/result.h"
 #include "drivers/genicam/camera_setup.h"
 #include "drivers/genicam/genicam_options.h"
@@ -35,9 +37,10 @@ struct ReceivedFrame {
 /// The way in of one opened camera's pictures, and Aravis' thread that puts packets together.
 class FrameStream {
  public:
-  /// Errors: kDevice, without a subject.
+  /// Errors: kDevice, kTimeout, kCancelled, without a subject.
   static Result<std::unique_ptr<FrameStream>> Start(ArvCamera* camera, std::size_t payload_bytes,
-                                                    const ReceivePath& path, const GenicamOptions& options);
+                                                    const ReceivePath& path, const GenicamOptions& options,
+                                                    Clock& clock, const std::stop_token& stop);
   ~FrameStream();
   FrameStream(const FrameStream&) = delete;
   FrameStream& operator=(const FrameStream&) = delete;

@@ -76,7 +76,7 @@ Result<void> GenicamCamera::Connect(const std::stop_token& stop) {
                .pixel_format = settings_.pixel_format,
                .focus_m = settings_.focus_m,
                .temperature_celsius = ReadReal(link_->Camera(), "DeviceTemperature", error)};
-  return StartStream();
+  return StartStream(stop);
 }
 
 void GenicamCamera::Disconnect() {
@@ -93,9 +93,10 @@ void GenicamCamera::Disconnect() {
   awaited_ = stalled_ = false;
 }
 
-Result<void> GenicamCamera::StartStream() {
+Result<void> GenicamCamera::StartStream(const std::stop_token& stop) {
   Result<std::unique_ptr<FrameStream>> stream =
-      FrameStream::Start(link_->Camera(), facts_.payload_bytes, path_, options_);
+      FrameStream::Start(link_->Camera(), facts_.payload_bytes, path_, options_, clock_, stop);
+  if (!stream && stop.stop_requested()) return Stopped("making it ready");
   if (!stream) return Fail(ErrorCode::kDevice, "camera '{}': {}", settings_.id, stream.error().message);
   GLibError error;
   arv_camera_start_acquisition(link_->Camera(), error.Take());
@@ -122,7 +123,7 @@ Result<void> GenicamCamera::RestartStream(const std::stop_token& stop) {
     if (std::exchange(num_received, stream_->NumReceived()) != stream_->NumReceived()) silent_since_s = clock_.NowS();
   }
   stream_.reset();
-  return StartStream();
+  return StartStream(stop);
 }
 
 tl::unexpected<Error> GenicamCamera::Stopped(const char* what) const {

@@ -39,7 +39,7 @@ class GenicamCamera final : public CameraDevice {
   /// Opens, sets and starts it.
   Result<void> Connect(const std::stop_token& stop);
   void Disconnect();
-  Result<void> StartStream();
+  Result<void> StartStream(const std::stop_token& stop);
   /// Ends the stream and begins another one, when nothing of an earlier shot can be on its way any more.
   Result<void> RestartStream(const std::stop_token& stop);
   /// The camera's clock now; 0 where it has none.
