@@ -92,11 +92,12 @@ bool Counts(const Candidate& candidate, const DriftLimits& limits) {
 std::vector<int> FindMoved(const Case& c) {
   std::vector<int> moved;
   if (!c.CanTell()) return moved;
+  bool far = false;  // so far that the rest of what is not linear looks like a motion of all cameras
   while (moved.size() < c.movers.size()) {
     Candidate best;
     bool any_counts = false;
     for (int m = 0; m < static_cast<int>(c.movers.size()); ++m) {
-      if (std::ranges::count(moved, m) > 0) continue;
+      if (std::ranges::count(moved, m) > 0 || (far && c.IsTogether(m))) continue;
       const Candidate candidate = Consider(c, moved, m);
       any_counts = any_counts || Counts(candidate, c.input.limits);
       const bool better = best.mover < 0 || candidate.log_evidence > best.log_evidence;
@@ -104,6 +105,7 @@ std::vector<int> FindMoved(const Case& c) {
     }
     if (!any_counts) break;
     moved.push_back(best.mover);
+    far = far || best.motion.moved_px > c.input.limits.failed_px;
   }
   return moved;
 }

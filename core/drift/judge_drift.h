@@ -98,9 +98,10 @@ struct DriftFinding {
 /// Which camera moved since the calibration in force was made, by how much, which way, and whether that counts
 /// (issue 5, drift check). A camera's motion is that of its mount against all others, which stay where the calibration
 /// in force has them to its covariance; what moved most is found first and the others are judged beside it. A motion
-/// that all cameras share is one of the positioner, and motions that no picture can show (the object stands elsewhere)
-/// are none. One camera's motion is what is left after the best similarity of the object. With fewer than three
-/// cameras, or when as many as half of them moved, it cannot be told which. Pure: same in, same out.
+/// that all cameras share is one of the positioner (not looked for beside a camera that moved beyond failed_px);
+/// motions that no picture can show (the object stands elsewhere) are none. One camera's motion is what is left after
+/// the best similarity of the object. With fewer than three cameras, or when as many as half of them moved, it cannot
+/// be told which. Pure: same in, same out.
 DriftFinding JudgeDrift(const DriftInput& input);
 
 }  // namespace rigcal

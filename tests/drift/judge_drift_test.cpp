@@ -68,6 +68,12 @@ TEST(EvidenceOf, TakesThePriorOut) {
   const Eigen::VectorXd scale = expected.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd off = scale.asDiagonal() * (evidence.information - expected) * scale.asDiagonal();
   EXPECT_LT(off.cwiseAbs().maxCoeff(), 1e-6);
+  // A night without errors in which a camera turned and the focal length, which its prior holds back, grew by 5 px.
+  synthetic::Happened happened = synthetic::Turned(studio.in_force, 1, {kTurnRad, 0, 0});
+  happened[RigCovariance::IntrinsicsRow(1) + kFx] = 5;
+  const Eigen::VectorXd pull = expected * happened(evidence.rows);
+  const Eigen::VectorXd found = EvidenceOf(studio.Input(happened, 1, 0)).pull;
+  EXPECT_LT((found - pull).cwiseProduct(scale).norm(), 1e-4 * pull.cwiseProduct(scale).norm());
 }
 
 TEST(JudgeDrift, UndisturbedNightsAreOkAndTheStatedSigmaIsHonest) {
@@ -175,6 +181,9 @@ TEST(JudgeDrift, CamerasThatMovedTogetherAreNoDriftOfOne) {
     motion[k] = k == 2 ? 0.01 : 3e-3;
     const DriftFinding finding = JudgeDrift(studio.Input(synthetic::AllMoved(studio.in_force, motion), 3));
     EXPECT_EQ(finding.state, DriftState::kOk) << finding.sentences[0];
+    ASSERT_TRUE(finding.together);
+    EXPECT_LT(finding.together->motion.moved_px, 0.2);
+    EXPECT_LT(finding.together->motion.sigma_px, 0.1);
   }
   // 1 mm across it: that the pictures show, and that it is no single camera.
   MotionVector across = MotionVector::Zero();
@@ -187,6 +196,20 @@ TEST(JudgeDrift, CamerasThatMovedTogetherAreNoDriftOfOne) {
   EXPECT_TRUE(finding.together->moved);
   EXPECT_THAT(ChecksOf(finding), ElementsAre("motion of all cameras"));
   EXPECT_THAT(finding.sentences[0], HasSubstr("all cameras moved together against the turntable"));
+}
+
+TEST(JudgeDrift, BesideACameraThatFailedNoMotionOfAllIsLookedFor) {
+  const Studio& studio = StudioOf(3);
+  MotionVector across = MotionVector::Zero();
+  across[3] = 1e-3;
+  const synthetic::Happened both =
+      synthetic::AllMoved(studio.in_force, across) + synthetic::Turned(studio.in_force, 1, {0, 100 * kTurnRad, 0});
+  DriftInput input = studio.Input(both, 3);
+  const DriftFinding finding = JudgeDrift(input);
+  EXPECT_EQ(finding.state, DriftState::kFailed) << finding.sentences[0];
+  EXPECT_FALSE(finding.together->moved);
+  input.limits.failed_px = 100;
+  EXPECT_TRUE(JudgeDrift(input).together->moved) << JudgeDrift(input).sentences[0];
 }
 
 TEST(JudgeDrift, AMinorityIsNamedAndAMajorityIsNot) {
@@ -204,6 +227,27 @@ TEST(JudgeDrift, AMinorityIsNamedAndAMajorityIsNot) {
   EXPECT_EQ(open.state, DriftState::kDrifting);
   EXPECT_FALSE(open.which_is_told) << open.sentences[0];
   EXPECT_THAT(open.suspects, ElementsAre("cam0", "cam1", "cam2"));
+}
+
+TEST(JudgeDrift, HalfOfTheCamerasAreNotNamed) {
+  const Studio& four = StudioOf(4);
+  synthetic::Happened two = synthetic::Turned(four.in_force, 1, {3 * kTurnRad, 0, 0});
+  two += synthetic::Turned(four.in_force, 3, {0, 3 * kTurnRad, 0});
+  const DriftFinding finding = JudgeDrift(four.Input(two, 8));
+  EXPECT_EQ(finding.state, DriftState::kDrifting);
+  EXPECT_FALSE(finding.which_is_told) << finding.sentences[0];
+  EXPECT_THAT(finding.suspects, ElementsAre("cam0", "cam1", "cam2", "cam3"));
+}
+
+TEST(JudgeDrift, WhereTheThirdIsNoReferenceTheOtherTwoCannotBeToldApart) {
+  Studio studio = StudioOf(3);
+  LoosenMount(2, 2e-3, 2e-3, studio.in_force);  // nobody knows well where it stands
+  DriftInput input = studio.Input(synthetic::Turned(studio.in_force, 0, {3 * kTurnRad, 0, 0}), 1, 0);
+  input.limits.drift_px = 0.2;
+  const DriftFinding finding = JudgeDrift(input);
+  EXPECT_EQ(finding.state, DriftState::kDrifting) << finding.sentences[0];
+  EXPECT_FALSE(finding.which_is_told) << finding.sentences[0];
+  EXPECT_THAT(finding.suspects, ElementsAre("cam0", "cam1"));
 }
 
 TEST(JudgeDrift, TheLimitItselfIsStillOk) {
