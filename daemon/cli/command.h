@@ -31,6 +31,7 @@ void AddExportCommand(CLI::App& app, CommandSession& session);
 void AddRecordingCommand(CLI::App& app, CommandSession& session);
 void AddRigCommand(CLI::App& app, CommandSession& session);
 void AddCaptureCommand(CLI::App& app, CommandSession& session);
+void AddDevicesCommand(CLI::App& app, CommandSession& session);
 void AddSeedCommand(CLI::App& app, CommandSession& session);
 void AddChartCommand(CLI::App& app, CommandSession& session);
 void AddHistoryCommands(CLI::App& app, CommandSession& session);

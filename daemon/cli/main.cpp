@@ -59,6 +59,7 @@ int Main(int argc, char** argv) {
   AddRecordingCommand(app, session);
   AddRigCommand(app, session);
   AddCaptureCommand(app, session);
+  AddDevicesCommand(app, session);
   AddSeedCommand(app, session);
   AddChartCommand(app, session);
   AddHistoryCommands(app, session);

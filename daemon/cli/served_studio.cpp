@@ -26,7 +26,7 @@ Result<void> CheckServable(const Recording& recording, const std::string& folder
 }  // namespace
 
 Result<std::unique_ptr<ServedStudio>> ServedStudio::Start(const std::string& folder, const ServedNetwork& network,
-                                                          Clock& clock) {
+                                                          ServedMotion motion, Clock& clock) {
   Result<RecordedPictures> recorded = OpenRecordedPictures(folder);
   if (!recorded) return Fail(recorded.error());
   if (Result<void> servable = CheckServable(recorded->recording, folder); !servable) return Fail(servable.error());
@@ -40,10 +40,7 @@ Result<std::unique_ptr<ServedStudio>> ServedStudio::Start(const std::string& fol
     }
     studio->pictures_.push_back(std::move(picture->pixels));
   }
-  Result<std::unique_ptr<sim::GrblSimulator>> table = sim::GrblSimulator::Start(clock);
-  if (!table) return Fail(table.error());
-  studio->table_ = std::move(*table);
-  studio->table_->With([](sim::GrblMachine& machine) { machine.SetWorkOffset(kZeroWhereHomingEnds); });
+  if (Result<void> table = studio->StartTable(motion, clock); !table) return Fail(table.error());
   for (std::size_t c = 0; c < studio->recording_.cameras.size(); ++c) {
     const RecordedCamera& camera = studio->recording_.cameras[c];
     sim::GigeDeviceOptions options{.can_resend = network.can_resend,
@@ -61,10 +58,36 @@ Result<std::unique_ptr<ServedStudio>> ServedStudio::Start(const std::string& fol
   return studio;
 }
 
+Result<void> ServedStudio::StartTable(ServedMotion motion, Clock& clock) {
+  if (motion == ServedMotion::kGrbl) {
+    Result<std::unique_ptr<sim::GrblSimulator>> grbl = sim::GrblSimulator::Start(clock);
+    if (!grbl) return Fail(grbl.error());
+    grbl_ = std::move(*grbl);
+    grbl_->With([](sim::GrblMachine& machine) { machine.SetWorkOffset(kZeroWhereHomingEnds); });
+    return {};
+  }
+  Result<std::unique_ptr<sim::LinuxcncSimulator>> linuxcnc = sim::LinuxcncSimulator::Start(clock);
+  if (!linuxcnc) return Fail(linuxcnc.error());
+  linuxcnc_ = std::move(*linuxcnc);
+  linuxcnc_->With([](sim::LinuxcncMachine& machine) { machine.SetEmergencyStop(false, false); });
+  return {};
+}
+
+std::string ServedStudio::TableText() const {
+  if (grbl_) return fmt::format("GRBL at {}, X in degrees", grbl_->Path());
+  return fmt::format("LinuxCNC at {}, C in degrees", linuxcnc_->Address());
+}
+
+double ServedStudio::TableAngle_deg() {
+  double angle_deg = 0;
+  if (grbl_) grbl_->With([&](sim::GrblMachine& machine) { angle_deg = machine.PositionInWork()[0]; });
+  if (linuxcnc_) linuxcnc_->With([&](sim::LinuxcncMachine& machine) { angle_deg = machine.Position('C'); });
+  return angle_deg;
+}
+
 /// Called by the cameras' threads; the pictures do not change.
 cv::Mat ServedStudio::See(int camera, const sim::GigeShot& shot) {
-  double angle_deg = 0;
-  table_->With([&](sim::GrblMachine& machine) { angle_deg = machine.PositionInWork()[0]; });
+  const double angle_deg = TableAngle_deg();
   const int type = shot.format.BytesPerPixel() > 1 ? CV_16U : CV_8U;
   const cv::Rect region(shot.left_px, shot.top_px, shot.width_px, shot.height_px);
   for (std::size_t v = 0; v < recording_.views.size(); ++v) {

@@ -23,6 +23,7 @@ struct ServeArguments {
   ServedNetwork network;
   double gigabits_per_second = 0;
   bool no_resend = false;
+  std::string motion = "grbl";
 };
 
 /// "kill cam1" and "revive cam1": the power of a camera. Other lines are answered with what there is.
@@ -65,13 +66,15 @@ Result<void> Serve(ServeArguments& arguments, const CommandSession& session) {
   SystemClock clock;
   arguments.network.can_resend = !arguments.no_resend;
   arguments.network.bits_per_second = arguments.gigabits_per_second * kGiga;
-  const auto studio = ServedStudio::Start(arguments.recording, arguments.network, clock);
+  const auto studio =
+      ServedStudio::Start(arguments.recording, arguments.network,
+                          arguments.motion == "grbl" ? ServedMotion::kGrbl : ServedMotion::kLinuxcnc, clock);
   if (!studio) return Fail(studio.error());
   for (std::size_t c = 0; c < (*studio)->Cameras().size(); ++c) {
     const sim::GigeDevice& camera = *(*studio)->Cameras()[c];
     fmt::print("camera {}: GigE Vision at {}, serial {}\n", (*studio)->IdOf(c), camera.Address(), camera.Serial());
   }
-  fmt::print("table: GRBL at {}, X in degrees\n", (*studio)->TablePath());
+  fmt::print("table: {}\n", (*studio)->TableText());
   std::fflush(stdout);
   ServeUntil(session.stop, **studio);
   for (std::size_t c = 0; c < (*studio)->Cameras().size(); ++c) {
@@ -86,9 +89,12 @@ Result<void> Serve(ServeArguments& arguments, const CommandSession& session) {
 
 void AddSimServeCommand(CLI::App& sim, CommandSession& session) {
   CLI::App* command = sim.add_subcommand(
-      "serve", "A recording of a turntable behind real protocols, until SIGINT: GigE Vision cameras and a GRBL table");
+      "serve", "A recording of a turntable behind real protocols, until SIGINT: GigE Vision cameras and a table");
   const auto arguments = std::make_shared<ServeArguments>();
   command->add_option("--recording", arguments->recording, "Folder of `rigcal sim render --recording`")->required();
+  command->add_option("--motion", arguments->motion, "What moves the table")
+      ->check(CLI::IsMember({"grbl", "linuxcnc"}))
+      ->capture_default_str();
   command->add_option("--loss", arguments->network.loss, "Share of the pictures' packets that are lost")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
