@@ -46,15 +46,14 @@ bool IsNumber(const Json& value, const RequestKey& key) {
 }
 
 bool Fits(const Json& value, const RequestKey& key) {
+  const auto* text = value.get_ptr<const std::string*>();
   switch (key.type) {
     case Type::kText:
-      return value.is_string() && !value.get_ref<const std::string&>().empty() &&
-             value.get_ref<const std::string&>().size() <= kMaxText &&
-             value.get_ref<const std::string&>().find('\0') == std::string::npos;
+      return text && !text->empty() && text->size() <= kMaxText && text->find('\0') == std::string::npos;
     case Type::kSubject:
-      return value.is_string() && SubjectNamed(value.get<std::string>()).has_value();
+      return text && SubjectNamed(*text).has_value();
     case Type::kMasks:
-      return value == "auto" || value == "none";
+      return text && (*text == "auto" || *text == "none");
     case Type::kNumber:
       return IsNumber(value, key);
     case Type::kWhole:
