@@ -44,9 +44,15 @@ void AddServiceOptions(CLI::App& command, ServiceChoice& choice) {
 
 int ServiceFailWith(const char* command, const Error& error) {
   fmt::print(stderr, "rigcal {}: {}\n", command, error.message);
-  const bool asked_wrongly =
-      error.code == ErrorCode::kBadInput || error.code == ErrorCode::kConflict || error.code == ErrorCode::kUnsupported;
-  return asked_wrongly ? kExitBadInput : kExitInternal;
+  switch (error.code) {
+    case ErrorCode::kBadInput:
+    case ErrorCode::kNotFound:
+    case ErrorCode::kConflict:
+    case ErrorCode::kUnsupported:
+      return kExitBadInput;
+    default:
+      return kExitInternal;
+  }
 }
 
 int FollowJob(const char* command, int id, const ServiceChoice& choice, const CommandSession& session) {

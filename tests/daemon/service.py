@@ -60,7 +60,8 @@ def listen_to(line, notices):
 
 class Bench:
     def __init__(self, args, root):
-        self.rigcal, self.rigcald, self.root, self.failures = args.rigcal, args.rigcald, root, 0
+        self.rigcal, self.rigcald = os.path.abspath(args.rigcal), os.path.abspath(args.rigcald)
+        self.root, self.failures = root, 0
         self.openapi = json.loads(pathlib.Path(args.openapi).read_text())
         self.state, self.socket = root / "state", root / "s.sock"
         self.environment = dict(os.environ, RIGCAL_SOCKET=str(self.socket), RIGCAL_RUN_DIR=str(root / "run"))
