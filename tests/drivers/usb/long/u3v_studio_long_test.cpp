@@ -91,6 +91,7 @@ class U3vRecording : public WithEmulatedUsb {
   void SetUp() override {
     WithEmulatedUsb::SetUp();
     if (usb_ == nullptr) return;
+    ASSERT_TRUE(fs::exists(RIGCAL_BINARY)) << RIGCAL_BINARY << " is not built";
     fs::remove_all(folder_);
     fs::create_directories(folder_);
     table_ = *sim::GrblSimulator::Start(clock_);
