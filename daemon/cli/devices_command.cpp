@@ -11,7 +11,6 @@
 #include "config/rig_file.h"
 #include "core/base/joined.h"
 #include "daemon/cli/command.h"
-#include "daemon/cli/run_request.h"
 #include "drivers/registry.h"
 
 namespace rigcal {
