@@ -137,6 +137,8 @@ TEST(MakeStudio, APixelBumpMovesThePicturesOfTheObjectBySoMuch) {
 
 TEST(MakeStudio, AnotherObjectStandsUnderTheSameCameras) {
   StudioOptions options = Table(2);
+  options.scene = Scene::kTextured;
+  options.cell_m = 0.002;
   const Studio figurine = MakeOrDie(options);
   options.object = Scene::kMarker;
   const Studio marker = MakeOrDie(options);
