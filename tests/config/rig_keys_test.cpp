@@ -59,6 +59,7 @@ std::map<std::string, Default> Defaults() {
       {"capture.max_saturated", capture.max_saturated},
       {"capture.min_brightness", capture.min_brightness},
       {"capture.min_sharpness", capture.min_sharpness},
+      {"capture.refuse_identical", capture.refuse_identical},
       {"replay.at_recorded_speed", ReplaySettings{}.at_recorded_speed},
       {"sim.scene", sim.scene},
       {"sim.surroundings", sim.surroundings},
