@@ -139,6 +139,7 @@ CaptureSettings ReadCapture(const std::optional<CheckedTable>& table) {
   table->Read("max_saturated", capture.max_saturated);
   table->Read("min_brightness", capture.min_brightness);
   table->Read("min_sharpness", capture.min_sharpness);
+  table->Read("refuse_identical", capture.refuse_identical);
   return capture;
 }
 

@@ -187,6 +187,7 @@ constexpr std::array kCaptureKeys = {
     Number("min_brightness", kPlain, {0, 1}, "0.01",
            "mean of the brightest hundredth of the pixels, share of full scale"),
     Number("min_sharpness", kPlain, {0, 1}, "0.3", "against the same camera's last good picture; lower is blurred"),
+    Flag("refuse_identical", "true", "the same picture twice in a row is that of a camera that hangs"),
 };
 
 constexpr std::array kKeepKeys = {

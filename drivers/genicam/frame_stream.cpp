@@ -24,6 +24,7 @@ constexpr double kSecond_us = 1e6;
 /// those that were only late.
 constexpr double kMostResent = 1;
 constexpr const char* kIpv4Protocol = "0800";  ///< as /proc/net/packet has it
+constexpr const char* kRunning = "1";          ///< the same: its hook is in place
 constexpr double kListens_s = 5;               ///< its 32 MB are mapped within 0.1 s
 constexpr double kLook_s = 0.002;
 constexpr const char* kMostBufferFile = "/proc/sys/net/core/rmem_max";
@@ -49,7 +50,7 @@ std::set<std::uint64_t> ListeningPacketSockets() {
     std::string socket_at, references, type, protocol, interface_index, running, memory, user;
     std::uint64_t inode = 0;
     columns >> socket_at >> references >> type >> protocol >> interface_index >> running >> memory >> user >> inode;
-    if (protocol == kIpv4Protocol) listening.insert(inode);
+    if (protocol == kIpv4Protocol && running == kRunning) listening.insert(inode);
   }
   std::set<std::uint64_t> own;
   std::error_code none;

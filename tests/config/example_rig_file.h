@@ -43,6 +43,7 @@ retakes = 1
 max_saturated = 0.4
 min_brightness = 0.02
 min_sharpness = 0.2
+refuse_identical = false
 [keep]
 max_age_days = 30
 max_count = 100

@@ -82,6 +82,7 @@ TEST(RigHardware, ReadsCaptureKeepAndChart) {
   EXPECT_EQ(rig.capture.max_saturated, 0.4);
   EXPECT_EQ(rig.capture.min_brightness, 0.02);
   EXPECT_EQ(rig.capture.min_sharpness, 0.2);
+  EXPECT_FALSE(rig.capture.refuse_identical);
   EXPECT_EQ(rig.keep.max_age_days, 30);
   EXPECT_EQ(rig.keep.max_count, 100);
   EXPECT_EQ(rig.publish.rig, "studio");
