@@ -42,8 +42,10 @@ constexpr std::array kAtAddress = {
 /// Whether two addresses are one device's: names of one serial line are.
 bool SameAddress(const std::string& a, const std::string& b) {
   if (a == b) return true;
+  if (!a.starts_with('/') || !b.starts_with('/')) return false;
+  // Not std::filesystem::equivalent: it gives false for devices.
   std::error_code none;
-  return a.starts_with('/') && b.starts_with('/') && std::filesystem::equivalent(a, b, none);
+  return std::filesystem::weakly_canonical(a, none) == std::filesystem::weakly_canonical(b, none);
 }
 
 bool IsOf(const FoundDevice& device, const std::string& driver, const std::string& address) {
