@@ -188,7 +188,7 @@ TEST(RigHardware, RefusesWhatIsMissing) {
   ExpectSpoilt(kWholeRig, "id = \"left\"\n", "", {"rig.toml line 18: camera.id is missing, a name"});
   ExpectSpoilt(kWholeRig, "driver = \"genicam\"\n", "", {"line 18: camera.driver is missing, one of \"genicam\""});
   ExpectSpoilt(kWholeRig, "board = \"board.toml\"\n", "", {"chart.board is missing"});
-  ExpectSpoilt(kWholeRig, "\"opencv\"", "\"sketch\"", {"line 50", "'sketch' is no format"});
+  ExpectSpoilt(kWholeRig, "\"opencv\"", "\"sketch\"", {"line 51", "'sketch' is no format"});
   ExpectSpoilt(kWholeRig, "\"studio\"", "\"a b\"", {"rig must be a name"});
   ExpectSpoilt(kWholeRig, "address = \"127.0.0.1:5007\"\n", "",
                {"line 3: driver = \"linuxcnc\": positioner.address is missing, HOST:PORT"});
@@ -239,12 +239,12 @@ TEST(RigHardware, RefusesMoreAxesThanTheKindHas) {
 }
 
 TEST(RigHardware, RefusesTablesThatAreNotWrittenAsOne) {
-  ExpectSpoilt(kWholeRig, "[keep]", "[[keep]]", {"line 41: keep must be a table, [keep]"});
+  ExpectSpoilt(kWholeRig, "[keep]", "[[keep]]", {"line 42: keep must be a table, [keep]"});
   ExpectRefused(ParseRig("[positioner]\nkind = \"arm\"\ncarries = \"object\"\n[camera]\nid = \"a\"\n", "rig.toml"),
                 {"line 4: camera must be a table, [[camera]]"});
   ExpectSpoilt(kGantryRig, "[[positioner.axis]]", "[positioner.axis]",
                {"line 7: positioner.axis must be a table, [[positioner.axis]]"});
-  ExpectSpoilt(kWholeRig, "[keep]", "[retain]", {"line 41: retain: unknown in a rig file; known are [positioner]"});
+  ExpectSpoilt(kWholeRig, "[keep]", "[retain]", {"line 42: retain: unknown in a rig file; known are [positioner]"});
 }
 
 TEST(RigHardware, AnArmsFileOfPosesLiesBesideTheRigFile) {

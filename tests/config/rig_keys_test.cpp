@@ -205,6 +205,7 @@ TEST(RigSummary, SaysWhatTheRigIs) {
             "camera left: genicam, serial S1, BayerRG12, 8000 us, 1.5 dB, hardware trigger\n"
             "camera right: genicam, address 127.0.0.2, Mono8\n"
             "chart: board.toml\n"
+            "rig 'studio' of the store; published in published, also as colmap, opencv\n"
             "recordings: 30 days, at most 100, 20 GB of the disk free\n");
   EXPECT_EQ(summary(kGantryRig),
             "positioner: gantry, carries the cameras; driver grbl at /dev/ttyUSB0, settles 0.5 s\n"
